@@ -1,0 +1,1 @@
+"""face, alignment, frontal image → Assessment."""

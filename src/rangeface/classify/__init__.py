@@ -1,0 +1,1 @@
+"""what learns: feature vectors → scores."""

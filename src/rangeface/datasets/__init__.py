@@ -1,0 +1,1 @@
+"""a user's folder → list of Scan, with the database's published protocols."""

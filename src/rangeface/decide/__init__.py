@@ -1,0 +1,1 @@
+"""scores and Assessment → Decision."""

@@ -1,0 +1,1 @@
+"""frontal image → feature image or vector."""

@@ -1,0 +1,1 @@
+"""error rates, intervals, protocols, reports."""

@@ -1,0 +1,1 @@
+"""enrolled templates behind one protocol."""
