@@ -7,4 +7,7 @@ from rangeface.register._none import none
 #: name → method: Face → Alignment.
 METHODS = {"icp": icp, "none": none}
 
-__all__ = ["METHODS", "frontal", "icp", "none"]
+#: name → resampling: (Face, Alignment) → frontal image.
+FRONTAL = {"resample": frontal.resample}
+
+__all__ = ["FRONTAL", "METHODS", "frontal", "icp", "none"]

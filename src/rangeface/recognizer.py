@@ -1,0 +1,325 @@
+"""FaceRecognizer: a fitted pipeline, what its scores mean, and where it comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rangeface import classify, config
+from rangeface.decide import refuse, t_norm, threshold_at_fmr, verify
+from rangeface.errors import DegenerateError, GalleryError, NoFaceError, ParameterError, ScanError, ScanFault
+from rangeface.gallery import Gallery
+from rangeface.io.arrays import read_arrays, write_arrays
+from rangeface.pipeline import FacePipeline, Head, Trace
+from rangeface.types import Decision, Float32, RangeImage, Reason, Template
+
+Frames = RangeImage | Sequence[RangeImage]
+
+#: Fewer cohort people than this cannot normalise a score.
+_MIN_COHORT = 10
+
+
+@dataclass(frozen=True, eq=False)
+class FaceRecognizer:
+    """Recognises people: a fitted pipeline, a cohort that gives scores a scale, thresholds.
+
+    Parameters
+    ----------
+    pipeline : FacePipeline
+        Fitted.
+    cohort : tuple of Template
+        Faces of other people. A raw score is expressed as its distance from the probe's scores
+        against the cohort (test normalisation), so that one threshold serves every probe.
+    nonmated : (k,) float32
+        Normalised scores of different people, from calibration: thresholds are read from them.
+    provenance : mapping
+        What it was learned from, with which versions; JSON.
+    """
+
+    pipeline: FacePipeline
+    cohort: tuple[Template, ...] = ()
+    nonmated: Float32 = field(default_factory=lambda: np.empty(0, np.float32))
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    # ── learning ─────────────────────────────────────────────────────────────────────────
+
+    @classmethod
+    def fit(
+        cls,
+        pipeline: FacePipeline,
+        images: Sequence[Frames],
+        subjects: Sequence[str],
+        *,
+        provenance: Mapping[str, Any] | None = None,
+    ) -> FaceRecognizer:
+        """Learn a pipeline from images of known people; they become the cohort.
+
+        Parameters
+        ----------
+        pipeline : FacePipeline
+            Not fitted.
+        images : sequence of RangeImage or of sequences of frames
+        subjects : sequence of str
+        provenance : mapping, optional
+            JSON.
+
+        Returns
+        -------
+        FaceRecognizer
+            Not calibrated yet.
+
+        Raises
+        ------
+        NoFaceError
+            No image shows a face. Single failures are left out and counted in `provenance`.
+        ParameterError
+            The numbers of images and subjects differ.
+        """
+        if len(images) != len(subjects):
+            raise ParameterError(f"subjects: {len(subjects)} for {len(images)} images")
+        traces = [pipeline.trace(image) for image in images]
+        return cls.fit_traces(pipeline, traces, subjects, provenance=provenance)
+
+    @classmethod
+    def fit_traces(
+        cls,
+        pipeline: FacePipeline,
+        traces: Sequence[Trace],
+        subjects: Sequence[str],
+        *,
+        provenance: Mapping[str, Any] | None = None,
+    ) -> FaceRecognizer:
+        """Learn from traces that the same (unfitted) pipeline made; else as `fit`."""
+        usable = [(t, s) for t, s in zip(traces, subjects, strict=True) if t.frontal is not None]
+        if not usable:
+            raise NoFaceError(f"none of {len(traces)} training images shows a face")
+        fitted = pipeline.fit_views([pipeline.views(t) for t, _ in usable], [s for _, s in usable])
+        first = {subject: trace for trace, subject in reversed(usable)}
+        cohort = tuple(fitted.template(first[subject]) for subject in sorted(first))
+        story = {
+            **(provenance or {}),
+            "people": len(first),
+            "images": len(usable),
+            "failed_to_enrol": len(traces) - len(usable),
+        }
+        return cls(fitted, cohort if len(cohort) >= _MIN_COHORT else (), provenance=story)
+
+    def calibrate(self, templates: Sequence[Template], subjects: Sequence[str]) -> FaceRecognizer:
+        """Learn what scores different people reach, from people who were not trained on.
+
+        Parameters
+        ----------
+        templates : sequence of Template
+            Of this pipeline; at least two people.
+        subjects : sequence of str
+
+        Returns
+        -------
+        FaceRecognizer
+            With `nonmated` filled.
+
+        Raises
+        ------
+        DegenerateError
+            There is only one person.
+        """
+        scores = np.stack([self.scores(probe, templates) for probe in templates])
+        names = np.asarray(subjects, dtype=str)
+        different = scores[names[:, None] != names[None, :]]
+        if different.size == 0:
+            raise DegenerateError("calibrate: at least two different people are needed")
+        return replace(self, nonmated=np.sort(different).astype(np.float32))
+
+    # ── use ──────────────────────────────────────────────────────────────────────────────
+
+    def template(self, image: Frames | Trace, *, augment: bool = False) -> Template:
+        """Make a template; see `FacePipeline.template`."""
+        return self.pipeline.template(image, augment=augment)
+
+    def scores(self, probe: Template, references: Sequence[Template]) -> Float32:
+        """Normalised scores (m,) of a probe against references: higher = more alike.
+
+        Parameters
+        ----------
+        probe : Template
+        references : sequence of Template
+
+        Returns
+        -------
+        (m,) float32
+            Without a cohort, the raw scores.
+        """
+        if not references:
+            return np.empty(0, np.float32)
+        raw = self.pipeline.similarity(probe, references)
+        if not self.cohort:
+            return raw
+        return np.asarray(
+            t_norm(raw[None], self.pipeline.similarity(probe, self.cohort)[None])[0], np.float32
+        )
+
+    def threshold(self, fmr: float) -> float:
+        """Score that different people reach with probability `fmr`.
+
+        Parameters
+        ----------
+        fmr : float
+            False match rate of one comparison, at least 3 / number of calibration pairs.
+
+        Returns
+        -------
+        float
+
+        Raises
+        ------
+        ParameterError
+            The recogniser is not calibrated, or too few pairs can show so small a rate.
+        """
+        if self.nonmated.size == 0:
+            raise ParameterError("fmr: this model is not calibrated; run `rangeface calibrate`")
+        return threshold_at_fmr(self.nonmated, fmr)
+
+    def verify(
+        self, image: Frames | Trace, subject: str, gallery: Gallery, *, fmr: float = 0.001
+    ) -> Decision:
+        """Is this the person it claims to be?
+
+        Parameters
+        ----------
+        image : RangeImage, sequence of RangeImage, or Trace
+        subject : str
+            Who it claims to be.
+        gallery : Gallery
+        fmr : float
+            Accepted false match rate of one comparison.
+
+        Returns
+        -------
+        Decision
+
+        Raises
+        ------
+        GalleryError
+            The subject is not enrolled, or the gallery belongs to another model.
+        """
+        threshold = self.threshold(fmr)
+        references = gallery.templates(self.pipeline.fingerprint)
+        if subject not in references:
+            raise GalleryError(f"{subject!r} is not enrolled; `rangeface list` shows who is")
+        try:
+            probe = self.template(image)
+        except NoFaceError:
+            return refuse(self._reason(image), threshold=threshold)
+        score = float(np.max(self.scores(probe, references[subject])))
+        return verify(score, subject, probe.assessment, threshold=threshold)
+
+    def identify(self, image: Frames | Trace, gallery: Gallery, *, fmr: float = 0.001) -> Decision:
+        """Who is this, of those who are enrolled?
+
+        Parameters
+        ----------
+        image : RangeImage, sequence of RangeImage, or Trace
+        gallery : Gallery
+        fmr : float
+            Accepted false match rate of one comparison; with N people enrolled a stranger is
+            accepted with about N times this probability.
+
+        Returns
+        -------
+        Decision
+            *unknown* for a stranger, *cannot tell* where the image does not suffice.
+        """
+        threshold = self.threshold(fmr)
+        trace = image if isinstance(image, Trace) else self.pipeline.trace(image)
+        if trace.frontal is None:
+            return refuse(trace.reason or Reason.NO_FACE, threshold=threshold)
+        probe = self.template(trace)
+        enrolled = gallery.templates(self.pipeline.fingerprint)
+        flat = [(s, t) for s, templates in enrolled.items() for t in templates]
+        scores: dict[str, float] = {}
+        for (subject, _), score in zip(flat, self.scores(probe, [t for _, t in flat]), strict=True):
+            scores[subject] = max(float(score), scores.get(subject, -np.inf))
+        return self.pipeline.decide_on(scores, probe.assessment, threshold)
+
+    # ── files ────────────────────────────────────────────────────────────────────────────
+
+    def save(self, path: str | Path) -> None:
+        """Write the recogniser to a file: JSON header and raw arrays with hashes, no pickle.
+
+        Parameters
+        ----------
+        path : str or Path
+        """
+        arrays: dict[str, np.ndarray] = {"nonmated": self.nonmated}
+        heads = []
+        for h, head in enumerate(self.pipeline.heads):
+            state = classify.fitted_state(head.classify)
+            arrays |= {f"head{h}.{k}": v for k, v in state.items() if isinstance(v, np.ndarray)}
+            heads.append({k: v for k, v in state.items() if not isinstance(v, np.ndarray)})
+            if self.cohort:
+                arrays[f"cohort{h}"] = np.stack([t.vectors[h][0] for t in self.cohort])
+        meta = {
+            "pipeline": config.to_toml(self.pipeline),
+            "fingerprint": self.pipeline.fingerprint,
+            "heads": heads,
+            "provenance": dict(self.provenance),
+        }
+        write_arrays(Path(path), meta, arrays)
+
+    @classmethod
+    def load(cls, path: str | Path) -> FaceRecognizer:
+        """Read a recogniser that `save` wrote.
+
+        Parameters
+        ----------
+        path : str or Path
+
+        Returns
+        -------
+        FaceRecognizer
+
+        Raises
+        ------
+        ScanError
+            The file is missing, damaged, of another kind, or of another version of the methods.
+        """
+        meta, arrays = read_arrays(Path(path))
+        try:
+            pipeline = config.from_toml(meta["pipeline"])
+            heads = tuple(
+                _restored(head, h, meta["heads"][h], arrays) for h, head in enumerate(pipeline.heads)
+            )
+            pipeline = replace(pipeline, heads=heads)
+            fingerprint, provenance = meta["fingerprint"], meta["provenance"]
+        except (KeyError, IndexError, TypeError, ParameterError) as error:
+            raise ScanError(path, ScanFault.MALFORMED, f"no recogniser ({error})") from error
+        if pipeline.fingerprint != fingerprint:
+            raise ScanError(
+                path, ScanFault.UNSUPPORTED,
+                "the methods' numbers have changed since this model was made; train it again",
+            )  # fmt: skip
+        count = len(arrays["cohort0"]) if "cohort0" in arrays else 0
+        cohort = tuple(
+            Template(tuple(arrays[f"cohort{h}"][k : k + 1] for h in range(len(heads))), fingerprint)
+            for k in range(count)
+        )
+        return cls(pipeline, cohort, arrays["nonmated"], provenance)
+
+    def _reason(self, image: Frames | Trace) -> Reason:
+        trace = image if isinstance(image, Trace) else self.pipeline.trace(image)
+        return trace.reason or Reason.NO_FACE
+
+
+def _restored(
+    head: Head, number: int, scalars: Mapping[str, Any], arrays: Mapping[str, np.ndarray]
+) -> Head:
+    prefix = f"head{number}."
+    state = {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
+    estimator = classify.restore(
+        type(head.classify), head.classify.get_params(), {**state, **scalars}
+    )
+    return replace(head, classify=estimator)
