@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rangeface.classify import fitted_state
+from rangeface.decide import per_subject
 from rangeface.errors import DegenerateError, NoFaceError, ParameterError
 from rangeface.io.reference import default_reference
 from rangeface.numerics.se3 import rotation_matrix
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from rangeface.classify import Matcher
+    from rangeface.gallery import View
 
 
 @dataclass(frozen=True)
@@ -420,10 +422,16 @@ class FacePipeline:
         if trace.frontal is None:
             raise NoFaceError(f"no template: {trace.reason}")
         views = self.views(trace) if augment else [trace.frontal]
+        return self.template_of(views, trace.assessment)
+
+    def template_of(
+        self, views: Sequence[RangeImage], assessment: Assessment | None = None
+    ) -> Template:
+        """Make a template from frontal images of one face: one row a view in every head."""
         return Template(
             vectors=tuple(head.classify.transform(head.features(views)) for head in self.heads),
             fingerprint=self.fingerprint,
-            assessment=trace.assessment,
+            assessment=assessment,
         )
 
     def decide_on(
@@ -435,37 +443,40 @@ class FacePipeline:
         decision: Decision = self.decide(values, subjects, assessment, threshold=threshold)
         return decision
 
-    def similarity(self, probe: Template, references: Sequence[Template]) -> Float32:
-        """Fused scores of a probe against references: the best pair of views of each.
+    def similarity(self, probe: Template, references: View) -> Float32:
+        """Fused scores of a probe against people: of each, the best pair of views.
 
         Parameters
         ----------
         probe : Template
-        references : sequence of Template
-            At least one.
+        references : View
+            Templates of this pipeline by subject: `gallery.view()`, or `gallery.stack`.
 
         Returns
         -------
-        (m,) float32
-            Higher = more alike.
+        (S,) float32
+            One score a subject; higher = more alike.
 
         Raises
         ------
         ParameterError
             A template was made by another pipeline.
         """
-        for template in (probe, *references):
-            if template.fingerprint != self.fingerprint:
+        count = len(references.subjects)
+        for fingerprint in (probe.fingerprint, references.fingerprint if count else None):
+            if fingerprint not in (None, self.fingerprint):
                 raise ParameterError(
-                    f"template of pipeline {template.fingerprint[:12]} does not compare with "
+                    f"template of pipeline {fingerprint[:12]} does not compare with "
                     f"{self.fingerprint[:12]}: enrol again, or use the model that made it"
                 )
-        per_head = []
-        for h, head in enumerate(self.heads):
-            rows = [reference.vectors[h] for reference in references]
-            starts = np.cumsum([0] + [len(r) for r in rows[:-1]])
-            scores = head.classify.similarity(probe.vectors[h], np.concatenate(rows)).max(axis=0)
-            per_head.append(np.maximum.reduceat(scores, starts))
+        if count == 0:
+            return np.empty(0, np.float32)
+        per_head = [
+            per_subject(head.classify.similarity(p, g).max(axis=0), owners, count=count)
+            for head, p, g, owners in zip(
+                self.heads, probe.vectors, references.vectors, references.owners, strict=True
+            )
+        ]
         return np.asarray(self.fuse(np.stack(per_head)), dtype=np.float32)
 
     @property

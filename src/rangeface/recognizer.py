@@ -12,7 +12,7 @@ import numpy as np
 from rangeface import classify, config
 from rangeface.decide import refuse, t_norm, threshold_at_fmr, verify
 from rangeface.errors import DegenerateError, GalleryError, NoFaceError, ParameterError, ScanError, ScanFault
-from rangeface.gallery import Gallery
+from rangeface.gallery import Gallery, View, stack
 from rangeface.io.arrays import read_arrays, write_arrays
 from rangeface.pipeline import FacePipeline, Head, Trace
 from rangeface.types import Decision, Float32, RangeImage, Reason, Template
@@ -31,7 +31,7 @@ class FaceRecognizer:
     ----------
     pipeline : FacePipeline
         Fitted.
-    cohort : tuple of Template
+    cohort : View, optional
         Faces of other people. A raw score is expressed as its distance from the probe's scores
         against the cohort (test normalisation), so that one threshold serves every probe.
     nonmated : (k,) float32
@@ -41,7 +41,7 @@ class FaceRecognizer:
     """
 
     pipeline: FacePipeline
-    cohort: tuple[Template, ...] = ()
+    cohort: View | None = None
     nonmated: Float32 = field(default_factory=lambda: np.empty(0, np.float32))
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
@@ -99,14 +99,14 @@ class FaceRecognizer:
             raise NoFaceError(f"none of {len(traces)} training images shows a face")
         fitted = pipeline.fit_views([pipeline.views(t) for t, _ in usable], [s for _, s in usable])
         first = {subject: trace for trace, subject in reversed(usable)}
-        cohort = tuple(fitted.template(first[subject]) for subject in sorted(first))
+        cohort = stack(((s, fitted.template(first[s])) for s in sorted(first)), fitted.fingerprint)
         story = {
             **(provenance or {}),
             "people": len(first),
             "images": len(usable),
             "failed_to_enrol": len(traces) - len(usable),
         }
-        return cls(fitted, cohort if len(cohort) >= _MIN_COHORT else (), provenance=story)
+        return cls(fitted, cohort if len(first) >= _MIN_COHORT else None, provenance=story)
 
     def calibrate(self, templates: Sequence[Template], subjects: Sequence[str]) -> FaceRecognizer:
         """Learn what scores different people reach, from people who were not trained on.
@@ -127,12 +127,12 @@ class FaceRecognizer:
         DegenerateError
             There is only one person.
         """
-        scores = np.stack([self.scores(probe, templates) for probe in templates])
-        names = np.asarray(subjects, dtype=str)
-        different = scores[names[:, None] != names[None, :]]
-        if different.size == 0:
+        references = stack(zip(subjects, templates, strict=True), self.pipeline.fingerprint)
+        scores = np.stack([self.scores(probe, references) for probe in templates])
+        different = np.asarray(subjects)[:, None] != np.asarray(references.subjects)[None, :]
+        if not different.any():
             raise DegenerateError("calibrate: at least two different people are needed")
-        return replace(self, nonmated=np.sort(different).astype(np.float32))
+        return replace(self, nonmated=np.sort(scores[different]).astype(np.float32))
 
     # ── use ──────────────────────────────────────────────────────────────────────────────
 
@@ -140,27 +140,24 @@ class FaceRecognizer:
         """Make a template; see `FacePipeline.template`."""
         return self.pipeline.template(image, augment=augment)
 
-    def scores(self, probe: Template, references: Sequence[Template]) -> Float32:
-        """Normalised scores (m,) of a probe against references: higher = more alike.
+    def scores(self, probe: Template, references: View) -> Float32:
+        """Normalised scores (S,) of a probe, one a subject: higher = more alike.
 
         Parameters
         ----------
         probe : Template
-        references : sequence of Template
+        references : View
 
         Returns
         -------
-        (m,) float32
+        (S,) float32
             Without a cohort, the raw scores.
         """
-        if not references:
-            return np.empty(0, np.float32)
         raw = self.pipeline.similarity(probe, references)
-        if not self.cohort:
+        if self.cohort is None or len(raw) == 0:
             return raw
-        return np.asarray(
-            t_norm(raw[None], self.pipeline.similarity(probe, self.cohort)[None])[0], np.float32
-        )
+        others = self.pipeline.similarity(probe, self.cohort)
+        return np.asarray(t_norm(raw[None], others[None])[0], np.float32)
 
     def threshold(self, fmr: float) -> float:
         """Score that different people reach with probability `fmr`.
@@ -207,15 +204,15 @@ class FaceRecognizer:
             The subject is not enrolled, or the gallery belongs to another model.
         """
         threshold = self.threshold(fmr)
-        references = gallery.templates(self.pipeline.fingerprint)
-        if subject not in references:
+        view = gallery.view()
+        if subject not in view.subjects:
             raise GalleryError(f"{subject!r} is not enrolled; `rangeface list` shows who is")
-        try:
-            probe = self.template(image)
-        except NoFaceError:
-            return refuse(self._reason(image), threshold=threshold)
-        score = float(np.max(self.scores(probe, references[subject])))
-        return verify(score, subject, probe.assessment, threshold=threshold)
+        trace = image if isinstance(image, Trace) else self.pipeline.trace(image)
+        if trace.frontal is None:
+            return refuse(trace.reason or Reason.NO_FACE, threshold=threshold)
+        probe = self.template(trace)
+        score = self.scores(probe, view)[view.subjects.index(subject)]
+        return verify(float(score), subject, probe.assessment, threshold=threshold)
 
     def identify(self, image: Frames | Trace, gallery: Gallery, *, fmr: float = 0.001) -> Decision:
         """Who is this, of those who are enrolled?
@@ -238,12 +235,11 @@ class FaceRecognizer:
         if trace.frontal is None:
             return refuse(trace.reason or Reason.NO_FACE, threshold=threshold)
         probe = self.template(trace)
-        enrolled = gallery.templates(self.pipeline.fingerprint)
-        flat = [(s, t) for s, templates in enrolled.items() for t in templates]
-        scores: dict[str, float] = {}
-        for (subject, _), score in zip(flat, self.scores(probe, [t for _, t in flat]), strict=True):
-            scores[subject] = max(float(score), scores.get(subject, -np.inf))
-        return self.pipeline.decide_on(scores, probe.assessment, threshold)
+        view = gallery.view()
+        scores = self.scores(probe, view)
+        return self.pipeline.decide_on(
+            dict(zip(view.subjects, scores.tolist(), strict=True)), probe.assessment, threshold
+        )
 
     # ── files ────────────────────────────────────────────────────────────────────────────
 
@@ -260,8 +256,8 @@ class FaceRecognizer:
             state = classify.fitted_state(head.classify)
             arrays |= {f"head{h}.{k}": v for k, v in state.items() if isinstance(v, np.ndarray)}
             heads.append({k: v for k, v in state.items() if not isinstance(v, np.ndarray)})
-            if self.cohort:
-                arrays[f"cohort{h}"] = np.stack([t.vectors[h][0] for t in self.cohort])
+            if self.cohort is not None:
+                arrays[f"cohort{h}"] = self.cohort.vectors[h]
         meta = {
             "pipeline": config.to_toml(self.pipeline),
             "fingerprint": self.pipeline.fingerprint,
@@ -302,16 +298,16 @@ class FaceRecognizer:
                 path, ScanFault.UNSUPPORTED,
                 "the methods' numbers have changed since this model was made; train it again",
             )  # fmt: skip
-        count = len(arrays["cohort0"]) if "cohort0" in arrays else 0
-        cohort = tuple(
-            Template(tuple(arrays[f"cohort{h}"][k : k + 1] for h in range(len(heads))), fingerprint)
-            for k in range(count)
-        )
+        cohort = _cohort([arrays[f"cohort{h}"] for h in range(len(heads)) if f"cohort{h}" in arrays], fingerprint)
         return cls(pipeline, cohort, arrays["nonmated"], provenance)
 
-    def _reason(self, image: Frames | Trace) -> Reason:
-        trace = image if isinstance(image, Trace) else self.pipeline.trace(image)
-        return trace.reason or Reason.NO_FACE
+
+def _cohort(vectors: Sequence[Float32], fingerprint: str) -> View | None:
+    """The nameless people of a model file: one row each."""
+    if not vectors:
+        return None
+    templates = (Template(tuple(v[k : k + 1] for v in vectors), fingerprint) for k in range(len(vectors[0])))
+    return stack(((f"cohort {k}", t) for k, t in enumerate(templates)), fingerprint)
 
 
 def _restored(
