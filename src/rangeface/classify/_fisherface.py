@@ -109,7 +109,7 @@ def discriminants(
     """
     S_W = H_W.T @ H_W
     mean = float(S_W.diagonal().mean())
-    if mean + ridge <= 0:
+    if mean + ridge <= 1e-20 * np.square(H_B).sum():  # the rounding of duplicates
         raise DegenerateError("no class varies within itself; the quotient is undefined")
     L = cholesky(S_W + (ridge + 1e-10 * mean) * np.eye(len(S_W)), lower=True)
     _, roots, Vt = svd(solve_triangular(L, H_B.T, lower=True).T, full_matrices=False)
