@@ -22,8 +22,8 @@ def icp(
     reference: ReferenceFace | None = None,
     points: int = 1500,
     max_rms_mm: float = 6.0,
-    min_overlap: float = 0.45,
-    min_correlation: float = 0.45,
+    min_overlap: float = 0.3,
+    min_correlation: float = 0.4,
     max_angle_deg: float = 70.0,
 ) -> Alignment:
     """Turn a face frontal by aligning the reference face to it.

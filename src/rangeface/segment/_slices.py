@@ -47,7 +47,7 @@ def slices(
     min_gap_mm: float = 60.0,
     max_yaw_deg: float = 60.0,
     max_faces: int = 8,
-    min_confidence: float = 0.5,
+    min_confidence: float = 0.3,
 ) -> Faces:
     """Find the faces of an image: slice by range, connect, search each region, crop by a sphere.
 
