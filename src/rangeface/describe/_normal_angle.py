@@ -6,7 +6,7 @@ import numpy as np
 
 from rangeface.describe._normals import gaussian_map
 from rangeface.numerics import holes, sphere
-from rangeface.numerics.unwrap import unwrap
+from rangeface.numerics.phase import unwrap
 from rangeface.types import Float32, RangeImage
 
 

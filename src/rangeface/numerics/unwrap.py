@@ -1,129 +1,142 @@
-"""Weighted least-squares phase unwrapping."""
+"""Unwrapping of a periodic image in space."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TypeAlias
-
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
-from scipy.fft import dctn, idctn
-
-from rangeface.errors import ParameterError
-
-Float64: TypeAlias = NDArray[np.float64]
 
 
-def wrap(angle: ArrayLike) -> Float64:
-    """Angles in [−π, π).
+@njit(cache=True, nogil=True)
+def _root(parent: NDArray[np.int32], turns: NDArray[np.int32], node: int) -> tuple[int, int]:
+    """Root of a node and the node's turns relative to it, with path halving."""
+    total = 0
+    while parent[node] != node:
+        up = parent[node]
+        turns[node] += turns[up] if parent[up] != up else 0
+        parent[node] = parent[up]
+        total += turns[node]
+        node = parent[node]
+    return node, total
 
-    Examples
-    --------
-    >>> wrap([0.5, 3.5, -3.5]).round(4)
-    array([ 0.5   , -2.7832,  2.7832])
-    """
-    return np.asarray((np.asarray(angle, np.float64) + np.pi) % (2.0 * np.pi) - np.pi)
+
+@njit(cache=True, nogil=True)
+def _join(
+    phase: NDArray[np.float64], edges: NDArray[np.int32], period: float
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    n = len(phase)
+    parent = np.arange(n).astype(np.int32)
+    turns = np.zeros(n, dtype=np.int32)
+    size = np.ones(n, dtype=np.int32)
+    for k in range(len(edges)):
+        a, b = edges[k, 0], edges[k, 1]
+        root_a, turns_a = _root(parent, turns, a)
+        root_b, turns_b = _root(parent, turns, b)
+        if root_a == root_b:
+            continue
+        # the turn that brings b within half a period of a
+        step = int(np.rint((phase[a] - phase[b]) / period)) + turns_a - turns_b
+        if size[root_a] < size[root_b]:
+            root_a, root_b, step = root_b, root_a, -step
+        parent[root_b] = root_a
+        turns[root_b] = step
+        size[root_a] += size[root_b]
+    labels = np.empty(n, dtype=np.int32)
+    total = np.empty(n, dtype=np.int32)
+    for i in range(n):
+        labels[i], total[i] = _root(parent, turns, i)
+    return labels, total
 
 
-def unwrap(
-    phase: ArrayLike, weight: ArrayLike, *, tolerance: float = 1e-4, max_iterations: int = 60
-) -> Float64:
-    r"""Surface whose differences are closest to the wrapped differences of a phase.
+def unwrap_2d(wrapped: ArrayLike, *, period: float) -> NDArray[np.float64]:
+    r"""Unwrap an image that is known modulo a period, most reliable neighbours first.
 
-    .. math:: \min_φ \sum_{\text{edges } pq} w_{pq}
-              \bigl(φ_q - φ_p - W(ψ_q - ψ_p)\bigr)^2, \qquad w_{pq} = \min(w_p, w_q)^2
+    Neighbours are joined in the order of their reliability, the inverse of the second
+    differences around them; each join adds the whole turns that bring the two within half a
+    period. An island has no neighbour to hang on: it takes the turns that bring its median
+    closest to the largest island's.
 
     Parameters
     ----------
-    phase : (H, W) array_like
-        Wrapped phase ψ, rad; may be NaN where the weight is 0.
-    weight : (H, W) array_like
-        Confidence w ≥ 0, 0 where there is no phase; not all 0.
-    tolerance : float
-        Relative residual at which the conjugate gradients stop, > 0.
-    max_iterations : int
-        At which they stop in any case, ≥ 1.
+    wrapped : (H, W) array_like
+        Values in [0, period); NaN where unknown.
+    period : float
+        The period, > 0.
 
     Returns
     -------
     (H, W) float64
-        φ, rad, smooth across pixels without weight; its constant is such that the weighted
-        circular mean of ψ − φ is 0.
-
-    Raises
-    ------
-    ParameterError
-        Shapes differ, a weight is negative or all are 0.
+        Values that agree with `wrapped` modulo the period; NaN where it is.
 
     Notes
     -----
-    Conjugate gradients, preconditioned by the unweighted Poisson equation, which the cosine
-    transform solves. Where the phase winds around a point (the nose tip of a normal field)
-    no surface has its differences, and φ is the best compromise, not congruent to ψ.
+    Right where neighbours differ by less than half a period; a sharper edge is unwrapped
+    around if the image allows it.
 
     References
     ----------
-    D. C. Ghiglia, L. A. Romero, JOSA A 11(1), 1994, doi:10.1364/JOSAA.11.000107.
+    M. A. Herráez et al., Applied Optics 41(35), 2002, doi:10.1364/AO.41.007437 (here without
+    wrap-around of the image, and with islands).
 
     Examples
     --------
-    >>> ramp = np.add.outer(np.zeros(4), 2.0 * np.arange(6))
-    >>> bool(np.allclose(unwrap(wrap(ramp), np.ones((4, 6))) % (2 * np.pi), ramp % (2 * np.pi)))
+    >>> ramp = np.tile(np.arange(0.0, 3.0, 0.4), (3, 1))
+    >>> np.allclose(unwrap_2d(ramp % 1.0, period=1.0), ramp)
     True
     """
-    ψ, w = np.asarray(phase, np.float64), np.asarray(weight, np.float64)
-    if ψ.shape != w.shape or ψ.ndim != 2:
-        raise ParameterError(f"weight: shape {w.shape} does not match the phase's {ψ.shape}")
-    if not (w >= 0).all() or not w.any():
-        raise ParameterError("weight: must be ≥ 0 and not 0 everywhere")
-    ψ = np.where(w > 0, ψ, 0.0)
-    down = np.minimum(w[1:], w[:-1]) ** 2
-    right = np.minimum(w[:, 1:], w[:, :-1]) ** 2
-
-    def divergence(dy: Float64, dx: Float64) -> Float64:
-        out = np.zeros_like(ψ)
-        out[:-1] += down * dy
-        out[1:] -= down * dy
-        out[:, :-1] += right * dx
-        out[:, 1:] -= right * dx
-        return out
-
-    def laplacian(φ: Float64) -> Float64:
-        return divergence(np.diff(φ, axis=0), np.diff(φ, axis=1))
-
-    target = divergence(wrap(np.diff(ψ, axis=0)), wrap(np.diff(ψ, axis=1)))
-    φ = _conjugate_gradients(laplacian, target, tolerance, max_iterations)
-    return np.asarray(φ + np.angle((w * np.exp(1j * (ψ - φ))).sum()))
+    phase = np.asarray(wrapped, dtype=np.float64)
+    known = np.isfinite(phase)
+    if not known.any():
+        return phase.copy()
+    labels, turns = _join(phase.ravel(), _edges(phase, known, period), period)
+    out = phase + period * turns.reshape(phase.shape)
+    islands = np.where(known, labels.reshape(phase.shape), -1)
+    names, sizes = np.unique(islands[known], return_counts=True)
+    largest = np.median(out[islands == names[sizes.argmax()]])
+    if len(names) > 1:
+        out = _level_islands(out, islands, largest, period)
+    # the whole image is free by a turn: let the largest island start in the first period
+    base = np.floor(np.nanmin(out[islands == names[sizes.argmax()]]) / period)
+    return out - base * period
 
 
-def _poisson(right_side: Float64) -> Float64:
-    """Solution of the unweighted Poisson equation with free borders, of mean 0."""
-    spectrum = dctn(right_side, type=2, norm="ortho")
-    rows, columns = (2.0 * np.cos(np.pi * np.arange(n) / n) - 2.0 for n in right_side.shape)
-    eigenvalues = rows[:, None] + columns
-    eigenvalues[0, 0] = 1.0
-    spectrum = spectrum / eigenvalues
-    spectrum[0, 0] = 0.0
-    return np.asarray(idctn(spectrum, type=2, norm="ortho"))
+def _level_islands(
+    values: NDArray[np.float64], islands: NDArray[np.int32], level: float, period: float
+) -> NDArray[np.float64]:
+    """Each island shifted by the whole periods that bring its median closest to the level."""
+    order = np.argsort(islands, axis=None, kind="stable")
+    sorted_islands = islands.ravel()[order]
+    starts = np.flatnonzero(np.r_[True, sorted_islands[1:] != sorted_islands[:-1]])
+    out = values.copy().ravel()
+    for part in np.split(order, starts[1:]):
+        if islands.ravel()[part[0]] >= 0:
+            out[part] += period * np.rint((level - np.median(out[part])) / period)
+    return out.reshape(values.shape)
 
 
-def _conjugate_gradients(
-    operator: Callable[[Float64], Float64], target: Float64, tolerance: float, max_iterations: int
-) -> Float64:
-    """Solve operator(φ) = target, both negative semi-definite with the constants as kernel."""
-    φ = np.zeros_like(target)
-    residual = target.copy()
-    enough = tolerance * np.linalg.norm(target)
-    direction, energy = np.zeros_like(target), 1.0
-    for _ in range(max_iterations):
-        if np.linalg.norm(residual) <= enough:
-            break
-        z = _poisson(residual)
-        new_energy = float((residual * z).sum())
-        direction = z + (new_energy / energy) * direction
-        energy = new_energy
-        step = operator(direction)
-        length = energy / float((direction * step).sum())
-        φ += length * direction
-        residual -= length * step
-    return φ
+def _edges(
+    phase: NDArray[np.float64], known: NDArray[np.bool_], period: float
+) -> NDArray[np.int32]:
+    """Pairs of known neighbours (m, 2), most reliable first."""
+
+    def wrap(difference: NDArray[np.float64]) -> NDArray[np.float64]:
+        return difference - period * np.rint(difference / period)
+
+    padded = np.pad(phase, 1, constant_values=np.nan)
+    roughness = np.zeros_like(phase)
+    h, w = phase.shape
+    for dy, dx in ((0, 1), (1, 0), (1, 1), (1, -1)):
+        before = padded[1 - dy : 1 - dy + h, 1 - dx : 1 - dx + w]
+        after = padded[1 + dy : 1 + dy + h, 1 + dx : 1 + dx + w]
+        second = wrap(before - phase) - wrap(phase - after)
+        roughness += np.where(np.isfinite(second), second**2, period**2)
+    index = np.arange(phase.size, dtype=np.int32).reshape(phase.shape)
+    pairs, cost = [], []
+    for a, b in (
+        ((slice(None), slice(None, -1)), (slice(None), slice(1, None))),
+        ((slice(None, -1), slice(None)), (slice(1, None), slice(None))),
+    ):
+        both = known[a] & known[b]
+        pairs.append(np.stack([index[a][both], index[b][both]], axis=1))
+        cost.append((roughness[a] + roughness[b])[both])
+    return np.concatenate(pairs)[np.argsort(np.concatenate(cost), kind="stable")]
