@@ -25,7 +25,7 @@ Field: TypeAlias = NDArray[np.float64]
 AXIS_Z_MM = 108.0  # depth of the vertical axis of the skull behind the nose tip
 VERTEX_Y_MM = -154.0  # top of the head
 BROW_Y_MM = -60.0  # where the vault of the skull begins
-COLUMNS = 145
+COLUMNS = 135
 
 
 class Tissue(IntEnum):
@@ -35,8 +35,7 @@ class Tissue(IntEnum):
     HAIR = 1
     EYE = 2
     CLOTH = 3
-    LENS = 4
-    FRAME = 5
+    FRAME = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,8 +119,19 @@ def _columns() -> Field:
 
 
 def _rows() -> Field:
-    vault = BROW_Y_MM - (BROW_Y_MM - VERTEX_Y_MM) * np.sin(np.radians(np.linspace(90, 34, 12)))
-    bands = ((-105, 14), (-55, 21), (-5, 29), (44, 14), (84, 8), (120, 7), (190, 3), (300, 1))
+    vault = BROW_Y_MM - (BROW_Y_MM - VERTEX_Y_MM) * np.sin(np.radians(np.linspace(90, 34, 11)))
+    bands = (
+        (-105, 13),
+        (-55, 20),
+        (-5, 19),
+        (28, 10),
+        (37, 4),
+        (44, 14),
+        (84, 8),
+        (120, 6),
+        (190, 3),
+        (300, 1),
+    )
     below = [
         np.linspace(start, stop, count, endpoint=False)
         for (start, count), (stop, _) in pairwise(bands)
