@@ -18,7 +18,11 @@ from rangeface.describe._depth import depth
 from rangeface.describe._depth_levels import depth_levels
 from rangeface.describe._gabor import gabor
 from rangeface.describe._hog import hog
-from rangeface.describe._horizontal_profile import horizontal_curve, horizontal_profile
+from rangeface.describe._horizontal_profile import (
+    horizontal_curve,
+    horizontal_profile,
+    profile_height,
+)
 from rangeface.describe._hso import hso
 from rangeface.describe._lbp import lbp
 from rangeface.describe._lbp_histogram import lbp_histogram
@@ -31,7 +35,7 @@ from rangeface.describe._normals_covariance import normals_covariance
 from rangeface.describe._radial_curves import radial_curves
 from rangeface.describe._tdlbp import tdlbp
 from rangeface.describe._tdlbp_histogram import tdlbp_histogram
-from rangeface.describe._vertical_profile import vertical_curve, vertical_profile
+from rangeface.describe._vertical_profile import symmetry_line, vertical_curve, vertical_profile
 from rangeface.types import Float32
 
 
@@ -130,7 +134,9 @@ __all__ = [
     "normal_angle",
     "normals",
     "normals_covariance",
+    "profile_height",
     "radial_curves",
+    "symmetry_line",
     "tdlbp",
     "tdlbp_histogram",
     "vertical_curve",

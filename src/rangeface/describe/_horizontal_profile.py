@@ -92,7 +92,7 @@ def horizontal_curve(
 ) -> Float32:
     """The profile of `horizontal_profile` with its gaps marked by NaN."""
     camera = camera_of(image)
-    y_mm = height_of(image, at, forehead_mm=forehead_mm)
+    y_mm = profile_height(image, at, forehead_mm=forehead_mm)
     return profiles.lines(
         image.depth,
         (camera.cx, camera.cy + y_mm / camera.pitch_mm),
@@ -107,7 +107,7 @@ def horizontal_curve(
     )[0]
 
 
-def height_of(image: RangeImage, at: str, *, forehead_mm: float = 28.0) -> float:
+def profile_height(image: RangeImage, at: str, *, forehead_mm: float = 28.0) -> float:
     """Height y, mm (down is positive), at which a horizontal profile cuts the face."""
     if at not in PLACES:
         raise ParameterError(f"at: must be one of {PLACES}, got {at!r}")

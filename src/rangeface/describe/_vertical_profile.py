@@ -89,7 +89,7 @@ def vertical_curve(
     camera = camera_of(image)
     centre, roll = (camera.cx, camera.cy), 0.0
     if by == "symmetry":
-        offset_mm, roll = profiles.mirror_line(image.depth, centre, pitch=camera.pitch_mm)
+        offset_mm, roll = symmetry_line(image)
         # the point of the line that is level with the nose tip
         centre = (camera.cx + offset_mm / np.cos(roll) / camera.pitch_mm, camera.cy)
     elif by != "nose_tip":
@@ -106,3 +106,12 @@ def vertical_curve(
         arc_length=arc_length,
         sigma=image.sigma,
     )[0]
+
+
+def symmetry_line(image: RangeImage) -> tuple[float, float]:
+    """Offset (mm, to the right of the nose tip) and roll (rad) of the line of mirror symmetry.
+
+    See `rangeface.numerics.profiles.mirror_line`.
+    """
+    camera = camera_of(image)
+    return profiles.mirror_line(image.depth, (camera.cx, camera.cy), pitch=camera.pitch_mm)
