@@ -9,11 +9,13 @@ from scipy import ndimage
 from rangeface.errors import ScanFault
 from rangeface.io._source import Source
 from rangeface.numerics.splat import splat
-from rangeface.types import Camera, Orthographic, PointSet, RangeImage
+from rangeface.numerics.zbuffer import rasterise
+from rangeface.types import Camera, Orthographic, Pinhole, PointSet, RangeImage
 
 _CELL_MM = 30.0  # points closer than this are one thing
 _REACH_MM = 1000.0  # nothing farther from the median point belongs to the scan
 _MARGIN_MM = 30.0  # islands this close to the main cluster stay
+_OVERDRAW = 16  # pixels that triangles may cover, in images of the largest size
 
 
 def virtual_camera(
@@ -29,12 +31,17 @@ def virtual_camera(
     points = cloud.points
     if camera is None:
         low, high = _main_box(points)
-        inside = ((points >= low) & (points <= high)).all(axis=1)
+        inside = np.asarray(((points >= low) & (points <= high)).all(axis=1))
         camera = _frame(source, low, high, pitch_mm)
     else:
         inside = np.ones(len(points), dtype=bool)
     source.cap_pixels(camera.width, camera.height)
-    depth = _splat_points(camera, points[inside])
+    if cloud.triangles is None:
+        depth = _splat_points(camera, points[inside])
+    else:
+        depth = _draw_mesh(
+            source, camera, points, cloud.triangles[np.all(inside[cloud.triangles], axis=1)]
+        )
     if not np.isfinite(depth).any():
         raise source.error(
             ScanFault.NO_VALID_PIXELS, "no point falls into the camera's view: check front, up"
@@ -80,6 +87,32 @@ def _frame(
     source.cap_pixels(width, height)
     cx, cy = 1.0 - (low + _MARGIN_MM)[:2] / pitch_mm
     return Orthographic(pitch_mm, float(cx), float(cy), width, height)
+
+
+def _draw_mesh(
+    source: Source, camera: Camera, points: NDArray[np.float32], triangles: NDArray[np.int32]
+) -> NDArray[np.float32]:
+    size = np.array([camera.width, camera.height])
+    with np.errstate(invalid="ignore"):
+        boxes = np.clip(camera.project(points)[triangles], 0, size - 1)
+        area = np.nansum(np.prod(np.ptp(boxes, axis=1) + 1, axis=-1))
+    most = _OVERDRAW * source.limits.max_pixels
+    if area > most:
+        raise source.error(
+            ScanFault.TOO_LARGE, f"the triangles cover {area:.3g} px, the limit is {most:.3g}"
+        )
+    perspective = isinstance(camera, Pinhole)
+    depth, _, _ = rasterise(
+        points,
+        triangles,
+        focal_px=(camera.fx, camera.fy)
+        if isinstance(camera, Pinhole)
+        else (1 / camera.pitch_mm, 1 / camera.pitch_mm),
+        centre_px=(camera.cx, camera.cy),
+        size_px=(camera.width, camera.height),
+        perspective=perspective,
+    )
+    return depth
 
 
 def _splat_points(camera: Camera, points: NDArray[np.float32]) -> NDArray[np.float32]:
