@@ -5,7 +5,7 @@ import numpy as np
 from rangeface.denoise import _check
 from rangeface.denoise._confidence import Confidence, confidence_of
 from rangeface.denoise._noise import sigma_map
-from rangeface.numerics import smoothing
+from rangeface.numerics import holes, smoothing
 from rangeface.types import Float32, RangeImage
 
 
@@ -120,6 +120,6 @@ def _within_steps(
         step += np.float32(3.0 * np.sqrt(2.0)) * sigma_map(image)
     reference = image.depth
     if fill and not image.mask.all():
-        reference = smoothing.nearest_valid(image.depth, image.mask)
+        reference = holes.nearest_valid(image.depth, image.mask)
     kernel = smoothing.gaussian_kernel(sigma_px)
     return smoothing.gated_convolution(image.depth, weights, variance, reference, step, kernel)

@@ -163,27 +163,186 @@ def gated_convolution(
     return mean, spread, support
 
 
-def nearest_valid(values: Image, valid: NDArray[np.bool_]) -> Image:
-    """Give every pixel the value of the nearest valid pixel.
+@njit(cache=True, nogil=True, fastmath=_FASTMATH)
+def local_planes(values: Image, confidence: Image, step: Image, kernel: Image) -> Image:
+    """Value at every pixel of the plane fitted to its neighbours (moving least squares).
+
+    Parameters
+    ----------
+    values, confidence, step, kernel
+        As in `gated_convolution`, with the pixel's own value as the reference.
+
+    Returns
+    -------
+    (H, W) float32
+        The value itself where the neighbours determine no plane.
+
+    Examples
+    --------
+    >>> z = np.float32(np.add.outer(np.arange(5), 3 * np.arange(6)))
+    >>> one = np.ones_like(z)
+    >>> bool(np.abs(local_planes(z, one, 99 * one, gaussian_kernel(1.0)) - z).max() < 1e-3)
+    True
+    """
+    rows, cols = values.shape
+    radius = kernel.shape[0] // 2
+    out = values.copy()
+    for y in range(rows):
+        for x in range(cols):
+            centre = values[y, x]
+            if np.isnan(centre):
+                continue
+            s = su = sv = suu = suv = svv = sz = suz = svz = 0.0
+            for v in range(max(-radius, -y), min(radius, rows - 1 - y) + 1):
+                for u in range(max(-radius, -x), min(radius, cols - 1 - x) + 1):
+                    offset = values[y + v, x + u] - centre
+                    if not abs(offset) <= step[y, x]:
+                        continue
+                    w = kernel[v + radius] * kernel[u + radius] * confidence[y + v, x + u]
+                    s += w
+                    su += w * u
+                    sv += w * v
+                    suu += w * u * u
+                    suv += w * u * v
+                    svv += w * v * v
+                    sz += w * offset
+                    suz += w * u * offset
+                    svz += w * v * offset
+            # Cramer's rule; cofactors of the first column
+            c0 = suu * svv - suv * suv
+            c1 = su * svv - suv * sv
+            c2 = su * suv - suu * sv
+            determinant = s * c0 - su * c1 + sv * c2
+            if determinant > 1e-9 * s * suu * svv and determinant > 0.0:
+                out[y, x] = centre + (sz * c0 - suz * c1 + svz * c2) / determinant
+    return out
+
+
+def guided(
+    values: Image, guide: Image, valid: NDArray[np.bool_], radius: int, smoothness: float
+) -> Image:
+    """Guided filter over valid pixels only.
+
+    Parameters
+    ----------
+    values, guide : (H, W) float32
+        Finite.
+    valid : (H, W) bool
+        Which of them count.
+    radius : int
+        Half the window, px.
+    smoothness : float
+        ε, in squared units of the guide.
+
+    Returns
+    -------
+    (H, W) float32
+        Meaningful where valid.
+
+    References
+    ----------
+    K. He, J. Sun, X. Tang, 2013, doi:10.1109/TPAMI.2012.213.
+    """
+    weight = valid.astype(np.float32)
+    size = (2 * radius + 1, 2 * radius + 1)
+    count = np.maximum(cv2.blur(weight, size, borderType=cv2.BORDER_CONSTANT), np.float32(1e-6))
+
+    def mean(image: Image) -> Image:
+        return cv2.blur(image * weight, size, borderType=cv2.BORDER_CONSTANT) / count
+
+    mean_i, mean_z = mean(guide), mean(values)
+    variance = mean(guide * guide) - mean_i * mean_i
+    covariance = mean(guide * values) - mean_i * mean_z
+    slope: Image = covariance / (variance + np.float32(smoothness))
+    return mean(slope) * guide + mean(mean_z - slope * mean_i)
+
+
+def total_variation(
+    values: Image, valid: NDArray[np.bool_], weight: Image, iterations: int
+) -> Image:
+    r"""Total-variation denoising by projected gradients on the dual, with free edges at holes.
+
+    .. math:: \min_u \tfrac12 \|(u - z) / \sqrt{λ}\|^2 + \operatorname{TV}(u)
 
     Parameters
     ----------
     values : (H, W) float32
+        z; anything where not valid.
     valid : (H, W) bool
-        At least one pixel.
+        Differences across an invalid pixel do not count.
+    weight : (H, W) float32
+        λ ≥ 0 of each pixel, in the unit of the values.
+    iterations : int
+        ≥ 1.
+
+    Returns
+    -------
+    (H, W) float32
+        0 where not valid.
+
+    References
+    ----------
+    A. Chambolle, 2004, doi:10.1023/B:JMIV.0000011325.36760.1e; A. Beck, M. Teboulle, IEEE Trans.
+    Image Process. 18(11), 2009, doi:10.1109/TIP.2009.2028250 (the accelerated projection).
+    """
+    z = np.where(valid, values, np.float32(0))
+    largest = np.float32(max(float(weight[valid].max()), 1e-12))
+    right = np.zeros_like(z)
+    down = np.zeros_like(z)
+    right[:, :-1] = valid[:, :-1] & valid[:, 1:]
+    down[:-1] = valid[:-1] & valid[1:]
+    px, py = np.zeros_like(z), np.zeros_like(z)
+    qx, qy, momentum = px, py, 1.0
+    for _ in range(iterations):
+        u = z + weight * _divergence(qx, qy)
+        # 8 bounds the norm of the divergence squared
+        step = np.float32(1.0 / 8.0) / largest
+        nx = qx + step * right * np.diff(u, axis=1, append=u[:, -1:])
+        ny = qy + step * down * np.diff(u, axis=0, append=u[-1:])
+        length = np.maximum(1.0, np.sqrt(nx * nx + ny * ny))
+        nx, ny = nx / length, ny / length
+        after = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * momentum**2))
+        ahead = np.float32((momentum - 1.0) / after)
+        qx, qy = nx + ahead * (nx - px), ny + ahead * (ny - py)
+        px, py, momentum = nx, ny, after
+    return z + weight * _divergence(px, py)
+
+
+def _divergence(px: Image, py: Image) -> Image:
+    """Minus the adjoint of forward differences."""
+    zero_column, zero_row = np.zeros_like(px[:, :1]), np.zeros_like(py[:1])
+    return np.diff(px, axis=1, prepend=zero_column) + np.diff(py, axis=0, prepend=zero_row)
+
+
+def diffused(values: Image, edge: float, iterations: int, step: float) -> Image:
+    """Explicit steps of Perona and Malik's diffusion; nothing flows into or out of NaN.
+
+    Parameters
+    ----------
+    values : (H, W) float32
+        NaN = hole.
+    edge : float
+        κ > 0, in the unit of the values.
+    iterations : int
+        Number of steps.
+    step : float
+        Time step, ≤ 1/4 for stability.
 
     Returns
     -------
     (H, W) float32
 
-    Examples
-    --------
-    >>> nearest_valid(np.float32([[1, 0, 0, 5]]), np.array([[True, False, False, True]]))
-    array([[1., 1., 5., 5.]], dtype=float32)
+    References
+    ----------
+    P. Perona, J. Malik, 1990, doi:10.1109/34.56205.
     """
-    _, label = cv2.distanceTransformWithLabels(
-        (~valid).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL
-    )
-    of_label = np.zeros(int(label.max()) + 1, dtype=np.float32)
-    of_label[label[valid]] = values[valid]
-    return of_label[label]
+    z = values.copy()
+    inverse = np.float32(1.0 / edge**2)
+    for _ in range(iterations):
+        flow = np.zeros_like(z)
+        for axis in (0, 1):
+            gradient = np.nan_to_num(np.diff(z, axis=axis))
+            flux = gradient * np.exp(-gradient * gradient * inverse)
+            flow += np.diff(flux, axis=axis, prepend=0, append=0)
+        z += np.float32(step) * flow
+    return z
