@@ -1,4 +1,4 @@
-"""Images with holes: what stands in for what was not measured."""
+"""What stands in for a pixel that was not measured."""
 
 from __future__ import annotations
 
@@ -6,13 +6,53 @@ from typing import TypeAlias
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-Image: TypeAlias = NDArray[np.float32]
+from rangeface.errors import DegenerateError
+
+Float32: TypeAlias = NDArray[np.float32]
 Mask: TypeAlias = NDArray[np.bool_]
 
 
-def nearest_valid(values: Image, valid: Mask) -> Image:
+def fill_mean(channels: ArrayLike, *, axis: int | tuple[int, ...] = (0, 1)) -> Float32:
+    """Replace NaN by the mean of the valid values: the value that pulls to no side.
+
+    Parameters
+    ----------
+    channels : array_like
+        Values, NaN where invalid.
+    axis : int or tuple of int
+        Axes over which a mean is taken; by default rows and columns, so that each channel
+        of an (H, W, k) array has its own.
+
+    Returns
+    -------
+    float32 array of the same shape
+        Finite everywhere.
+
+    Raises
+    ------
+    DegenerateError
+        A channel has no valid value.
+
+    Examples
+    --------
+    >>> fill_mean([[1.0, np.nan], [2.0, 3.0]])
+    array([[1., 2.],
+           [2., 3.]], dtype=float32)
+    """
+    values = np.asarray(channels, dtype=np.float32)
+    valid = np.isfinite(values)
+    if valid.all():
+        return values.copy()
+    count = valid.sum(axis=axis, keepdims=True)
+    if (count == 0).any():
+        raise DegenerateError("image: no valid pixel carries this feature; denoise or fill first")
+    total = np.where(valid, values, 0.0).sum(axis=axis, keepdims=True, dtype=np.float64)
+    return np.where(valid, values, total / count).astype(np.float32)
+
+
+def nearest_valid(values: Float32, valid: Mask) -> Float32:
     """Give every pixel the value of the nearest valid pixel.
 
     Parameters
@@ -38,7 +78,7 @@ def nearest_valid(values: Image, valid: Mask) -> Image:
     return of_label[label]
 
 
-def extended(values: Image, valid: Mask) -> Image:
+def extended(values: Float32, valid: Mask) -> Float32:
     """Continue the valid pixels smoothly into the holes (pull-push).
 
     Means over ever larger blocks are pulled from the valid pixels, then pushed back into what
@@ -79,7 +119,7 @@ def extended(values: Image, valid: Mask) -> Image:
     return np.where(valid, values, pushed[:rows, :cols])
 
 
-def _halved(image: Image) -> Image:
+def _halved(image: Float32) -> Float32:
     """Mean over 2 × 2 blocks; an odd edge counts as empty."""
     rows, cols = image.shape
     even = cv2.copyMakeBorder(image, 0, rows % 2, 0, cols % 2, cv2.BORDER_CONSTANT, value=0)

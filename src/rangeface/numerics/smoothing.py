@@ -251,8 +251,8 @@ def guided(
         return cv2.blur(image * weight, size, borderType=cv2.BORDER_CONSTANT) / count
 
     mean_i, mean_z = mean(guide), mean(values)
-    variance = mean(guide * guide) - mean_i * mean_i
     covariance = mean(guide * values) - mean_i * mean_z
+    variance = (mean(guide * guide) - mean_i * mean_i).astype(np.float32)
     slope: Image = covariance / (variance + np.float32(smoothness))
     return mean(slope) * guide + mean(mean_z - slope * mean_i)
 
