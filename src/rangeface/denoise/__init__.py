@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from rangeface.denoise import combine
 from rangeface.denoise._anisotropic_diffusion import anisotropic_diffusion
+from rangeface.denoise._auto import auto
 from rangeface.denoise._bilateral import bilateral
 from rangeface.denoise._dtcwt import dtcwt
 from rangeface.denoise._dwt import dwt
@@ -24,6 +25,7 @@ from rangeface.denoise.combine import COMBINE
 
 METHODS = {
     "none": none,
+    "auto": auto,
     "median": median,
     "normalized_convolution": normalized_convolution,
     "moving_least_squares": moving_least_squares,
@@ -41,6 +43,7 @@ __all__ = [
     "COMBINE",
     "METHODS",
     "anisotropic_diffusion",
+    "auto",
     "bilateral",
     "combine",
     "dtcwt",

@@ -68,5 +68,6 @@ def moving_least_squares(
         _, variance, _ = smoothing.gated_convolution(
             image.depth, trust, sigma**2, image.depth, gate, kernel
         )
-        sigma = np.where(np.isfinite(variance), np.sqrt(variance), sigma)
+        if variance is not None:
+            sigma = np.where(np.isfinite(variance), np.sqrt(variance), sigma)
     return image.with_depth(depth, sigma=sigma)

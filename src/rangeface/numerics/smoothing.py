@@ -38,9 +38,9 @@ def gaussian_kernel(sigma_px: float) -> Image:
 
 
 def normalized_convolution(
-    values: Image, confidence: Image, variance: Image, sigma_px: float
-) -> tuple[Image, Image, Image]:
-    r"""Gaussian mean of an image, each pixel weighted by its confidence.
+    values: Image, confidence: Image, variance: Image | None, kernel: Image
+) -> tuple[Image, Image | None, Image]:
+    r"""Mean of an image under a kernel, each pixel weighted by its confidence.
 
     .. math:: I' = \frac{g * (C I)}{g * C}, \qquad
               \operatorname{var} I' = \frac{g^2 * (C^2 \operatorname{var} I)}{(g * C)^2}
@@ -51,17 +51,19 @@ def normalized_convolution(
         Finite wherever the confidence is not 0.
     confidence : (H, W) float32
         C ≥ 0; 0 = nothing known.
-    variance : (H, W) float32
+    variance : (H, W) float32, optional
         Of the values, which are taken as independent.
-    sigma_px : float
-        Standard deviation of g, px.
+    kernel : (2 r + 1,) float32
+        Separable kernel g.
 
     Returns
     -------
-    mean, variance : (H, W) float32
+    mean : (H, W) float32
         NaN where no confidence is in reach.
-    support : (H, W) float32
-        The part of g, 0 … 1, that lies on pixels with confidence; outside the image is none.
+    variance : (H, W) float32 or None
+        Of the mean, where that of the values was given.
+    mass : (H, W) float32
+        g * C; outside the image C is 0.
 
     References
     ----------
@@ -70,34 +72,33 @@ def normalized_convolution(
     Examples
     --------
     >>> z, c = np.float32([[1, 9, 3]]), np.float32([[1, 0, 1]])
-    >>> mean, _, _ = normalized_convolution(z, c, c, 1.0)
+    >>> mean, _, _ = normalized_convolution(z, c, None, gaussian_kernel(1.0))
     >>> float(mean[0, 1])
     2.0
     """
-    g = gaussian_kernel(sigma_px)
     known = confidence > 0
-    weighted = np.where(known, confidence * values, np.float32(0))
-    weight = _blur(confidence, g)
-    reached = weight > 0
-    safe: Image = np.where(reached, weight, np.float32(np.nan))
-    spread = np.where(known, confidence**2 * variance, np.float32(0))
-    support = _blur(known.astype(np.float32), g)
-    return _blur(weighted, g) / safe, _blur(spread, g * g) / safe**2, support
+    mass = blurred(confidence, kernel)
+    safe: Image = np.where(mass > 0, mass, np.float32(np.nan))
+    mean = blurred(np.where(known, confidence * values, np.float32(0)), kernel) / safe
+    if variance is None:
+        return mean, None, mass
+    spread = np.where(known, confidence * confidence * variance, np.float32(0))
+    return mean, blurred(spread, kernel * kernel) / (safe * safe), mass
 
 
-def _blur(image: Image, kernel: Image) -> Image:
+def blurred(image: Image, kernel: Image) -> Image:
+    """Convolution with a separable symmetric kernel; outside the image is 0."""
     return cv2.sepFilter2D(image, cv2.CV_32F, kernel, kernel, borderType=cv2.BORDER_CONSTANT)
 
 
-@njit(cache=True, nogil=True, fastmath=_FASTMATH)
 def gated_convolution(
     values: Image,
     confidence: Image,
-    variance: Image,
+    variance: Image | None,
     reference: Image,
     step: Image,
     kernel: Image,
-) -> tuple[Image, Image, Image]:
+) -> tuple[Image, Image | None, Image]:
     """Normalized convolution over those pixels that lie near a reference in value.
 
     A pixel q takes part in the mean at p if ``|values[q] - reference[p]| <= step[p]``: the
@@ -112,55 +113,58 @@ def gated_convolution(
     step : (H, W) float32
         Half-width of the gate.
     kernel : (2 r + 1,) float32
-        Separable kernel g, Σ g = 1.
+        Separable kernel g.
 
     Returns
     -------
-    mean, variance, support : (H, W) float32
-        As in `normalized_convolution`, the support counting pixels inside the gate.
+    mean, variance, mass : (H, W) float32
+        As in `normalized_convolution`, over the pixels inside the gate.
 
     Examples
     --------
     >>> z = np.float32([[400, 402, 900]])
     >>> one, step = np.ones_like(z), np.full_like(z, 20)
-    >>> mean, _, _ = gated_convolution(z, one, one, z, step, gaussian_kernel(9.0))
+    >>> mean, _, _ = gated_convolution(z, one, None, z, step, gaussian_kernel(9.0))
     >>> mean.round(1)
     array([[401., 401., 900.]], dtype=float32)
     """
+    known = np.isfinite(values) & (confidence > 0)
+    z = np.where(known, values, np.float32(0))
+    C = np.where(known, confidence, np.float32(0))
+    # the gate is shut where there is nothing to gather around
+    gate = np.where(np.isfinite(reference), step, np.float32(-1))
+    centre = np.nan_to_num(reference)
+    mass, total = _gated_sums(z, C, centre, gate, kernel)
+    safe: Image = np.where(mass > 0, mass, np.float32(np.nan))
+    mean = centre + total / safe
+    if variance is None:
+        return mean, None, mass
+    spread, _ = _gated_sums(z, C * C * np.where(known, variance, 0), centre, gate, kernel**2)
+    return mean, spread / (safe * safe), mass
+
+
+@njit(cache=True, nogil=True, fastmath=_FASTMATH)
+def _gated_sums(
+    values: Image, weight: Image, centre: Image, gate: Image, kernel: Image
+) -> tuple[Image, Image]:
+    """Sums of g C and of g C (z − centre) over the pixels inside the gate."""
     rows, cols = values.shape
     radius = kernel.shape[0] // 2
-    mean = np.empty((rows, cols), dtype=np.float32)
-    spread = np.empty((rows, cols), dtype=np.float32)
-    support = np.zeros((rows, cols), dtype=np.float32)
-    weight = np.empty(cols, dtype=np.float32)
-    total = np.empty(cols, dtype=np.float32)
-    noise = np.empty(cols, dtype=np.float32)
+    mass = np.zeros((rows, cols), dtype=np.float32)
+    total = np.zeros((rows, cols), dtype=np.float32)
     for y in range(rows):
-        weight[:] = 0.0
-        total[:] = 0.0
-        noise[:] = 0.0
-        centre, gate, part = reference[y], step[y], support[y]
+        level, width, mass_row, total_row = centre[y], gate[y], mass[y], total[y]
         for dy in range(max(-radius, -y), min(radius, rows - 1 - y) + 1):
-            line, trust, var = values[y + dy], confidence[y + dy], variance[y + dy]
+            z, C = values[y + dy], weight[y + dy]
             for dx in range(-radius, radius + 1):
                 g = kernel[dy + radius] * kernel[dx + radius]
                 for x in range(max(0, -dx), min(cols, cols - dx)):
-                    # offsets from the reference keep float32 exact at large depths
-                    offset = line[x + dx] - centre[x]
-                    near = abs(offset) <= gate[x] and trust[x + dx] > 0.0
-                    w = g * trust[x + dx] if near else np.float32(0.0)
-                    weight[x] += w
-                    total[x] += w * offset if near else np.float32(0.0)
-                    noise[x] += w * w * var[x + dx] if near else np.float32(0.0)
-                    part[x] += g if near else np.float32(0.0)
-        for x in range(cols):
-            if weight[x] > 0.0:
-                mean[y, x] = centre[x] + total[x] / weight[x]
-                spread[y, x] = noise[x] / (weight[x] * weight[x])
-            else:
-                mean[y, x] = np.nan
-                spread[y, x] = np.nan
-    return mean, spread, support
+                    # offsets from the centre keep float32 exact at large depths
+                    offset = z[x + dx] - level[x]
+                    w = g * C[x + dx] if abs(offset) <= width[x] else np.float32(0.0)
+                    mass_row[x] += w
+                    total_row[x] += w * offset
+    return mass, total
 
 
 @njit(cache=True, nogil=True, fastmath=_FASTMATH)
