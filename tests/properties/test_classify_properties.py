@@ -5,7 +5,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rangeface.classify import MLDA, PCA, FisherfaceLDA
+from rangeface.classify import (
+    MLDA,
+    PCA,
+    SVM,
+    BlockCovariance,
+    CollaborativeRepresentation,
+    FisherfaceLDA,
+    HistogramMatcher,
+    KernelFisher,
+    PearsonMatcher,
+    RegularizedLDA,
+    WarpedPearsonMatcher,
+    WhitenedPCA,
+)
 from rangeface.classify._span import scatter_between, scatter_within, span
 from rangeface.numerics.similarity import similarity
 
@@ -61,7 +74,7 @@ def test_pca_of_all_components_keeps_distances(seed):
 @FEW
 def test_whitened_components_have_unit_variance(seed):
     X, _ = draw(seed)
-    Y = PCA(6, whiten=True).fit(X).transform(X)
+    Y = WhitenedPCA(6).fit(X).transform(X)
     np.testing.assert_allclose(np.cov(Y.T), np.eye(6), atol=1e-4)
 
 
@@ -112,7 +125,7 @@ def test_fisherfaces_whiten_the_within_scatter(seed):
 def test_neither_order_nor_offset_of_the_samples_matters(seed):
     X, labels = draw(seed)
     shuffle = np.random.default_rng(seed).permutation(len(X))
-    for kind in (PCA, MLDA, FisherfaceLDA):
+    for kind in (PCA, MLDA, RegularizedLDA):
         Y = kind(3).fit(X, labels).transform(X)
         other = kind(3).fit(X[shuffle] + 2.0, labels[shuffle]).transform(X + 2.0)
         np.testing.assert_allclose(similarity(Y, Y), similarity(other, other), rtol=1e-4, atol=0.02)
@@ -134,3 +147,120 @@ def test_the_kernels_say_what_numpy_says(metric):
             "intersection": np.minimum(p, g).sum(2),
         }[metric]
     np.testing.assert_allclose(similarity(P, G, metric=metric), expected, atol=1e-5)
+
+
+@given(SEEDS)
+@FEW
+def test_regularised_analysis_whitens_the_shrunk_within_scatter(seed):
+    X, labels = draw(seed, pixels=8)
+    W = RegularizedLDA(shrinkage=0.3).fit(X, labels).components_.astype(float)
+    _, S_W = scatters(X, labels)
+    S = 0.7 * S_W + 0.3 * np.trace(S_W) / 8 * np.eye(8)
+    np.testing.assert_allclose(W @ S @ W.T / (len(X) - 5), np.eye(4), atol=1e-3)
+
+
+@given(SEEDS)
+@FEW
+def test_a_wide_gaussian_kernel_is_linear(seed):
+    """exp(−γd²) → 1 − γd² for γ → 0, and centring leaves 2γ⟨x, x'⟩."""
+    X, labels = draw(seed)
+    linear = RegularizedLDA(shrinkage=0.3).fit(X, labels).transform(X)
+    kernel = KernelFisher(shrinkage=0.3, gamma=1e-5).fit(X, labels).transform(X)
+    for a, b in ((linear, linear), (kernel, kernel)):
+        np.testing.assert_allclose(similarity(a, b, metric="cosine").diagonal(), 1, atol=1e-4)
+    np.testing.assert_allclose(
+        similarity(linear, linear, metric="cosine"),
+        similarity(kernel, kernel, metric="cosine"),
+        atol=0.05,
+    )
+
+
+@given(SEEDS)
+@FEW
+def test_a_linear_machine_separates_what_can_be_separated(seed):
+    X, labels = draw(seed, people=3)
+    Y = SVM(penalty=1e3).fit(X, labels).transform(X)
+    assert (Y.argmax(axis=1) == labels).all()
+
+
+@given(SEEDS)
+@FEW
+def test_collaborative_codes_solve_the_ridge_problem(seed):
+    X, labels = draw(seed)
+    crc = CollaborativeRepresentation(regularization=0.1).fit(X)
+    G, P = crc.transform(X), crc.transform(X + 0.3)
+    g, p = G.astype(float), P.astype(float)
+    alpha = np.linalg.solve(g @ g.T + 0.1 * np.eye(len(g)), g @ p.T).T
+    for person in range(5):
+        rows = labels == person
+        residual = np.linalg.norm(p - alpha[:, rows] @ g[rows], axis=1)
+        expected = -residual / np.linalg.norm(alpha[:, rows], axis=1)
+        scores = crc.similarity(P, G, owners=labels)
+        for column in np.flatnonzero(rows):
+            np.testing.assert_allclose(scores[:, column], expected, rtol=1e-4)
+
+
+@given(SEEDS)
+@FEW
+def test_intersection_is_one_minus_half_the_cityblock_distance(seed):
+    """For histograms of sum 1 (Swain and Ballard, IJCV 7(1), 1991)."""
+    H = np.random.default_rng(seed).random((5, 24))
+    matcher = HistogramMatcher(blocks=3, metric="intersection").fit(H)
+    Y = matcher.transform(H).astype(float)
+    np.testing.assert_allclose(Y.reshape(5, 3, 8).sum(axis=2), 1 / 3, rtol=1e-6)
+    cityblock = np.abs(Y[:, None] - Y[None]).sum(axis=2)
+    np.testing.assert_allclose(matcher.similarity(Y, Y), 1 - cityblock / 2, atol=1e-6)
+
+
+@given(SEEDS)
+@FEW
+def test_block_covariances_do_not_see_an_offset(seed):
+    X = np.random.default_rng(seed).random((4, 80))
+    matcher = BlockCovariance(image_shape=(10, 8), grid=(2, 2)).fit(X)
+    np.testing.assert_allclose(matcher.transform(X + 7.0), matcher.transform(X), atol=1e-4)
+
+
+def test_block_covariances_are_logarithms():
+    X = np.random.default_rng(0).random((3, 80))
+    matcher = BlockCovariance(image_shape=(10, 8), ridge=0.1).fit(X)
+    z = X[0].reshape(10, 8)
+    y, x = np.mgrid[:10, :8]
+    planes = [x, y, z, np.gradient(z, axis=1), np.gradient(z, axis=0)]
+    f = np.stack([p.ravel() for p in planes]) / matcher.scale_[:, None]
+    values, U = np.linalg.eigh(np.cov(f, bias=True) + 0.1 * np.eye(5))
+    logarithm = U @ np.diag(np.log(values)) @ U.T
+    i, j = np.triu_indices(5)
+    expected = logarithm[i, j] * np.where(i == j, 1, np.sqrt(2))
+    np.testing.assert_allclose(matcher.transform(X)[0], expected, atol=1e-5)
+
+
+@given(SEEDS, st.floats(0.1, 10), st.floats(-5, 5))
+@FEW
+def test_pearson_is_numpys_and_sees_neither_gain_nor_offset(seed, gain, offset):
+    X = np.random.default_rng(seed).standard_normal((4, 25))
+    for matcher in (PearsonMatcher(), WarpedPearsonMatcher(band=0)):
+        matcher.fit(X)
+        scores = matcher.similarity(matcher.transform(gain * X + offset), matcher.transform(X))
+        np.testing.assert_allclose(scores, np.corrcoef(X), atol=1e-4)
+
+
+@given(SEEDS, st.integers(0, 5))
+@FEW
+def test_a_shift_within_the_tolerance_costs_nothing(seed, shift):
+    wide = np.random.default_rng(seed).standard_normal((1, 40))
+    matcher = PearsonMatcher(max_shift=5).fit(wide[:, :30])
+    P, G = matcher.transform(wide[:, :30]), matcher.transform(wide[:, shift : 30 + shift])
+    assert matcher.similarity(P, G)[0, 0] > 1 - 1e-4
+
+
+@given(SEEDS)
+@FEW
+def test_warping_undoes_a_stretch(seed):
+    rng = np.random.default_rng(seed)
+    t = np.linspace(0, 1, 60)
+    profile = np.sin(2 * np.pi * (1.5 * t + rng.random())) + t
+    stretched = np.interp(t + 0.04 * np.sin(np.pi * t), t, profile)
+    matcher = WarpedPearsonMatcher(band=6).fit(profile[None])
+    plain = PearsonMatcher().fit(profile[None])
+    P, G = matcher.transform(stretched[None]), matcher.transform(profile[None])
+    assert matcher.similarity(P, G)[0, 0] > max(0.995, plain.similarity(P, G)[0, 0])
