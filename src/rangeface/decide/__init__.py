@@ -1,1 +1,38 @@
-"""scores and Assessment → Decision."""
+"""scores and Assessment → Decision.
+
+Scores are higher = more alike; a missing comparison is NaN. The answers are *accepted*,
+*unknown* and *cannot tell*, the last two with a reason.
+"""
+
+from __future__ import annotations
+
+from rangeface.decide._fuse import sum_rule
+from rangeface.decide._norms import robust_norm, s_norm, t_norm, z_norm
+from rangeface.decide._open_set import open_set, refuse, verify
+from rangeface.decide._per_subject import per_subject
+from rangeface.decide._sequence import SEQUENCE, decide_sequence, majority_vote, sum_of_scores
+from rangeface.decide._threshold import threshold_at_fmr
+
+METHODS = {"open-set": open_set}
+FUSE = {"sum": sum_rule}
+NORMALISE = {"z": z_norm, "t": t_norm, "s": s_norm, "robust": robust_norm}
+
+__all__ = [
+    "FUSE",
+    "METHODS",
+    "NORMALISE",
+    "SEQUENCE",
+    "decide_sequence",
+    "majority_vote",
+    "open_set",
+    "per_subject",
+    "refuse",
+    "robust_norm",
+    "s_norm",
+    "sum_of_scores",
+    "sum_rule",
+    "t_norm",
+    "threshold_at_fmr",
+    "verify",
+    "z_norm",
+]

@@ -1,1 +1,58 @@
 """enrolled templates behind one protocol."""
+
+from __future__ import annotations
+
+from os import PathLike, fspath
+
+from rangeface.errors import GalleryError
+from rangeface.gallery._memory import MemoryGallery
+from rangeface.gallery._protocol import Consent, Gallery, View, check_fingerprint, stack
+from rangeface.gallery._sqlite import SqliteGallery
+
+
+def open_gallery(url: str | PathLike[str], *, create: bool = True) -> Gallery:
+    """Open a gallery by its address.
+
+    Parameters
+    ----------
+    url : str or PathLike
+        ``sqlite:///gallery.db`` (a relative path), ``sqlite:////var/gallery.db`` (an absolute
+        one), ``memory://``, or just the path of an SQLite file.
+    create : bool
+        Make the file where it is missing.
+
+    Returns
+    -------
+    Gallery
+
+    Raises
+    ------
+    GalleryError
+        The kind of address is unknown, or the file is missing, damaged or no gallery.
+
+    Examples
+    --------
+    >>> open_gallery("memory://").subjects()
+    ()
+    """
+    address = fspath(url)
+    scheme, separator, rest = address.partition("://")
+    if not separator:
+        return SqliteGallery(address, create=create)
+    if scheme == "memory":
+        return MemoryGallery()
+    if scheme == "sqlite" and rest.startswith("/") and len(rest) > 1:
+        return SqliteGallery(rest[1:], create=create)
+    raise GalleryError(f"{address}: unknown gallery; use sqlite:///FILE, memory:// or a path")
+
+
+__all__ = [
+    "Consent",
+    "Gallery",
+    "MemoryGallery",
+    "SqliteGallery",
+    "View",
+    "check_fingerprint",
+    "open_gallery",
+    "stack",
+]

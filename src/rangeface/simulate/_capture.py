@@ -8,7 +8,7 @@ from types import MappingProxyType
 import numpy as np
 
 from rangeface.errors import ParameterError
-from rangeface.numerics import noise
+from rangeface.numerics import draws
 from rangeface.sensors import SensorModel
 from rangeface.simulate._scene import Scene
 from rangeface.simulate._tof import amplitude, tof
@@ -79,7 +79,7 @@ def random_point(scene: Scene, sensor: SensorModel, *, rng: np.random.Generator)
     clean = scene.image
     middle = slice(scene.oversample // 2, None, scene.oversample)
     A = amplitude(scene, sensor)[middle, middle]
-    angle, length = noise.angle_noise(A, rng=rng)
+    angle, length = draws.angle_noise(A, rng=rng)
     ray = clean.camera.radial_factor()
     L = float(sensor.ambiguities_mm()[0])
     radial = np.mod(clean.depth * ray + L / (2.0 * np.pi) * angle, L)
@@ -116,7 +116,7 @@ def triangulate(scene: Scene, sensor: SensorModel, *, rng: np.random.Generator) 
         raise ParameterError(f"sensor: {sensor.name!r} is not of the principle 'triangulation'")
     clean = scene.image
     sigma = sensor.depth_sigma(clean.depth).astype(np.float32)
-    depth = clean.depth + sigma * noise.normal(clean.shape, rng=rng)
+    depth = clean.depth + sigma * draws.normal(clean.shape, rng=rng)
     if sensor.step_per_mm:
         # equal steps of disparity 1/z are steps of step_per_mm · z² in depth
         depth = 1.0 / (np.round(1.0 / (depth * sensor.step_per_mm)) * sensor.step_per_mm)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rangeface.errors import ParameterError
-from rangeface.numerics import noise
+from rangeface.numerics import draws
 from rangeface.types import Orthographic, Pinhole, RangeImage
 
 
@@ -27,7 +27,7 @@ def add_noise(image: RangeImage, sigma_mm: float, *, rng: np.random.Generator) -
     if not sigma_mm >= 0:
         raise ParameterError(f"sigma_mm: must be ≥ 0, got {sigma_mm}")
     known = np.zeros(image.shape, np.float32) if image.sigma is None else image.sigma
-    noisy = image.depth + np.float32(sigma_mm) * noise.normal(image.shape, rng=rng)
+    noisy = image.depth + np.float32(sigma_mm) * draws.normal(image.shape, rng=rng)
     return image.with_depth(noisy, sigma=np.hypot(known, np.float32(sigma_mm)))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rangeface.errors import ParameterError
-from rangeface.numerics import noise, phasor
+from rangeface.numerics import draws, phasor
 from rangeface.sensors import SPEED_OF_LIGHT_MM_S, SensorModel
 from rangeface.simulate._scene import Scene
 from rangeface.types import Camera, Float32, RangeImage
@@ -264,13 +264,13 @@ def _detect(counts: Float32, sensor: SensorModel, rng: np.random.Generator) -> F
     """Photons to numbers: shot noise, compression, saturation, read noise, converter."""
     counts = np.maximum(counts, 0.0)
     if sensor.shot_noise:
-        noisy = noise.poisson(counts, rng=rng)
+        noisy = draws.poisson(counts, rng=rng)
         counts = counts + np.sqrt(sensor.shot_noise) * (noisy - counts)
     if sensor.compression:
         counts = counts * (1.0 - sensor.compression * np.minimum(counts / sensor.full_well, 1.0))
     counts = np.minimum(counts, sensor.full_well)
     if sensor.read_noise:
-        counts = counts + sensor.read_noise * noise.normal(counts.shape, rng=rng)
+        counts = counts + sensor.read_noise * draws.normal(counts.shape, rng=rng)
     if step := sensor.converter_step:
         counts = np.clip(np.round(counts / step) * step, 0.0, sensor.full_well)
     return np.asarray(counts, np.float32)

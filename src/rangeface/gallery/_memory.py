@@ -1,0 +1,105 @@
+"""A gallery that lives as long as the process."""
+
+from __future__ import annotations
+
+from datetime import date
+from threading import RLock
+from typing import Self
+
+from rangeface.errors import GalleryError
+from rangeface.gallery._protocol import (
+    Consent,
+    View,
+    check_fingerprint,
+    check_shape,
+    check_subject,
+    stack,
+)
+from rangeface.types import Template
+
+
+class MemoryGallery:
+    """Enrolled templates in memory: for tests, demonstrations and short-lived tools.
+
+    Raises
+    ------
+    GalleryError
+        A template of another model or shape is enrolled, a person is unknown, a name is bad.
+
+    Examples
+    --------
+    >>> gallery = MemoryGallery()
+    >>> gallery.enroll("ann", Template(([[1.0, 2.0]],), fingerprint="f"))
+    >>> gallery.view().subjects
+    ('ann',)
+    >>> gallery.delete("ann")
+    1
+    """
+
+    def __init__(self) -> None:
+        self._records: list[tuple[str, Template]] = []
+        self._consents: dict[str, Consent | None] = {}
+        self._view: tuple[date, View] | None = None
+        self._lock = RLock()
+
+    @property
+    def fingerprint(self) -> str | None:
+        """Of the model that made the templates; None where nobody is enrolled."""
+        return self._records[0][1].fingerprint if self._records else None
+
+    def enroll(self, subject: str, template: Template, *, consent: Consent | None = None) -> None:
+        """Add a template of a person; a new consent replaces the old."""
+        with self._lock:
+            check_fingerprint(self.fingerprint, template.fingerprint, "memory://")
+            first = self._records[0][1] if self._records else None
+            check_shape(first, template, "memory://")
+            self._records.append((check_subject(subject), template))
+            self._consents[subject] = consent or self._consents.get(subject)
+            self._view = None
+
+    def delete(self, subject: str) -> int:
+        """Remove all templates of a person; gives their number."""
+        with self._lock:
+            gone = len(self.templates(subject))
+            self._records = [(s, t) for s, t in self._records if s != subject]
+            del self._consents[subject]
+            self._view = None
+            return gone
+
+    def subjects(self) -> tuple[str, ...]:
+        """Who is enrolled, in the order of enrolment."""
+        return tuple(self._consents)
+
+    def consent(self, subject: str) -> Consent | None:
+        """The ground on which a person is enrolled."""
+        self._check_known(subject)
+        return self._consents[subject]
+
+    def templates(self, subject: str) -> tuple[Template, ...]:
+        """Templates of a person, oldest first."""
+        self._check_known(subject)
+        return tuple(t for s, t in self._records if s == subject)
+
+    def view(self, *, today: date | None = None) -> View:
+        """Everything that may be searched today (default: the computer's date)."""
+        day = today or date.today()
+        with self._lock:
+            if self._view is None or self._view[0] != day:
+                searchable = {s for s, c in self._consents.items() if c is None or c.holds(day)}
+                kept = [(s, t) for s, t in self._records if s in searchable]
+                self._view = day, stack(kept, self.fingerprint)
+            return self._view[1]
+
+    def close(self) -> None:
+        """Forget everybody."""
+        self._records, self._consents, self._view = [], {}, None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *failure: object) -> None:
+        self.close()
+
+    def _check_known(self, subject: str) -> None:
+        if subject not in self._consents:
+            raise GalleryError(f"memory://: {subject!r} is not enrolled")

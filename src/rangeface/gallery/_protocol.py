@@ -1,0 +1,154 @@
+"""What every gallery can do, whatever engine keeps it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from datetime import date
+from typing import Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rangeface.errors import GalleryError
+from rangeface.types import Template
+
+
+@dataclass(frozen=True)
+class Consent:
+    """On what ground a person is enrolled, and until when.
+
+    Parameters
+    ----------
+    reference : str
+        Number or address of the document; the document itself is not kept here.
+    expires : date, optional
+        Last day on which the person may be searched for; None: until deleted.
+    """
+
+    reference: str
+    expires: date | None = None
+
+    def holds(self, today: date) -> bool:
+        """Whether the consent has not expired."""
+        return self.expires is None or today <= self.expires
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """All enrolled templates as one array a head, ready to be searched without a copy.
+
+    Parameters
+    ----------
+    subjects : tuple of str
+        Who is enrolled, in the order of enrolment.
+    owners : tuple of (rows,) int arrays
+        For each head, the number in `subjects` that each row belongs to.
+    vectors : tuple of (rows, D) float32 arrays
+        For each head, every view of every template.
+    fingerprint : str or None
+        Of the model that made them; None where nobody is enrolled.
+    """
+
+    subjects: tuple[str, ...]
+    owners: tuple[NDArray[np.intp], ...]
+    vectors: tuple[NDArray[np.float32], ...]
+    fingerprint: str | None
+
+
+class Gallery(Protocol):
+    """Enrolled templates: enrol, delete, list, search.
+
+    An operation that returned is durable, and every process sees it in its next `view`. All
+    templates of a gallery come from one model: `fingerprint` names it.
+    """
+
+    @property
+    def fingerprint(self) -> str | None:
+        """Of the model that made the templates; None where nobody is enrolled."""
+
+    def enroll(self, subject: str, template: Template, *, consent: Consent | None = None) -> None:
+        """Add a template of a person, who may have several; a new consent replaces the old."""
+
+    def delete(self, subject: str) -> int:
+        """Remove all templates of a person without a trace; gives their number."""
+
+    def subjects(self) -> tuple[str, ...]:
+        """Who is enrolled, expired consents included, in the order of enrolment."""
+
+    def consent(self, subject: str) -> Consent | None:
+        """The ground on which a person is enrolled."""
+
+    def templates(self, subject: str) -> tuple[Template, ...]:
+        """Templates of a person, oldest first."""
+
+    def view(self, *, today: date | None = None) -> View:
+        """Everything that may be searched today (default: the computer's date)."""
+
+    def close(self) -> None:
+        """Let go of files and memory."""
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(self, *failure: object) -> None: ...
+
+
+def check_fingerprint(kept: str | None, offered: str, place: str) -> None:
+    """Refuse a template or model whose fingerprint is not the gallery's.
+
+    Raises
+    ------
+    GalleryError
+        They differ; the message names the way out.
+    """
+    if kept is not None and kept != offered:
+        raise GalleryError(
+            f"{place}: enrolled with model {kept[:12]}, asked with model {offered[:12]}; "
+            "use the first model, or enrol everybody again with the second"
+        )
+
+
+def check_shape(kept: Template | None, offered: Template, place: str) -> None:
+    """Refuse a template that cannot stand in one array with those that are enrolled.
+
+    Raises
+    ------
+    GalleryError
+        It has no vectors, or other heads or lengths than the gallery's.
+    """
+    widths = [v.shape[1:] for v in offered.vectors]
+    if not offered.vectors or any(v.ndim != 2 or v.size == 0 for v in offered.vectors):
+        raise GalleryError(f"{place}: a template needs (k, D) vectors, k ≥ 1, for each head")
+    if not all(np.isfinite(v).all() for v in offered.vectors):
+        raise GalleryError(f"{place}: a template must be finite")
+    if kept is not None and widths != [v.shape[1:] for v in kept.vectors]:
+        raise GalleryError(f"{place}: a template of {widths} does not fit those enrolled")
+
+
+def check_subject(subject: str) -> str:
+    """A person's name, which must not be empty and must be printable.
+
+    Raises
+    ------
+    GalleryError
+        It is not.
+    """
+    if not subject or not subject.isprintable() or len(subject) > 200:
+        raise GalleryError(f"subject: need 1 … 200 printable characters, got {subject[:40]!r}")
+    return subject
+
+
+def stack(records: Iterable[tuple[str, Template]], fingerprint: str | None) -> View:
+    """The view of (subject, template) pairs."""
+    pairs = list(records)
+    subjects = tuple(dict.fromkeys(subject for subject, _ in pairs))
+    number = {subject: i for i, subject in enumerate(subjects)}
+    heads = range(len(pairs[0][1].vectors)) if pairs else range(0)
+    owners = tuple(
+        np.repeat([number[s] for s, _ in pairs], [len(t.vectors[h]) for _, t in pairs])
+        for h in heads
+    )
+    vectors = tuple(np.concatenate([t.vectors[h] for _, t in pairs]) for h in heads)
+    for array in (*owners, *vectors):
+        array.flags.writeable = False
+    return View(subjects, owners, vectors, fingerprint if pairs else None)

@@ -1,0 +1,71 @@
+"""A template as bytes: a JSON header, then raw little-endian float32. Nothing is pickled."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from hashlib import blake2b
+from math import prod
+
+import numpy as np
+
+from rangeface.errors import GalleryError
+from rangeface.types import Assessment, Reason, Template
+
+_MAGIC = b"RFT1"
+
+
+def encode(template: Template) -> bytes:
+    """Bytes of a template."""
+    header = {
+        "fingerprint": template.fingerprint,
+        "shapes": [v.shape for v in template.vectors],
+        "assessment": None if template.assessment is None else asdict(template.assessment),
+    }
+    text = json.dumps(header, separators=(",", ":")).encode()
+    arrays = [v.astype("<f4").tobytes() for v in template.vectors]
+    return b"".join([_MAGIC, len(text).to_bytes(4, "little"), text, *arrays])
+
+
+def decode(record: bytes) -> Template:
+    """The template that `encode` wrote.
+
+    Raises
+    ------
+    GalleryError
+        The bytes are no template.
+    """
+    try:
+        if record[:4] != _MAGIC:
+            raise ValueError("wrong first bytes")
+        end = 8 + int.from_bytes(record[4:8], "little")
+        header = json.loads(record[8:end])
+        shapes = [tuple(map(int, shape)) for shape in header["shapes"]]
+        if len(record) - end != 4 * sum(map(prod, shapes)):
+            raise ValueError("wrong length")
+        vectors = []
+        for shape in shapes:
+            flat = np.frombuffer(record, "<f4", count=prod(shape), offset=end)
+            vectors.append(flat.reshape(shape))
+            end += flat.nbytes
+        return Template(tuple(vectors), header["fingerprint"], _assessment(header["assessment"]))
+    except (ValueError, KeyError, TypeError) as error:
+        raise GalleryError(f"a record is no template: {error}") from error
+
+
+def digest(*parts: object) -> bytes:
+    """16 bytes that change when any part, its kind, or the border between two parts changes."""
+    state = blake2b(digest_size=16)
+    for part in parts:
+        data = part if isinstance(part, bytes) else repr(part).encode()
+        state.update(len(data).to_bytes(8, "little"))
+        state.update(data)
+    return state.digest()
+
+
+def _assessment(fields: dict[str, object] | None) -> Assessment | None:
+    if fields is None:
+        return None
+    refusals = fields.pop("refusals")
+    assert isinstance(refusals, list)
+    return Assessment(**fields, refusals=tuple(map(Reason, refusals)))  # type: ignore[arg-type]
