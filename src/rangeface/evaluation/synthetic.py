@@ -91,7 +91,10 @@ def scans(
     sensors.preset(sensor)
     out = []
     for person in range(1000 * seed, 1000 * seed + people):
-        for role, visits, count in (("gallery", (GALLERY,), gallery_frames), ("probe", probes, frames)):
+        for role, visits, count in (
+            ("gallery", (GALLERY,), gallery_frames),
+            ("probe", probes, frames),
+        ):
             for visit in visits:
                 loader = partial(
                     capture, person=person, visit=visit, sensor=sensor,
@@ -99,9 +102,14 @@ def scans(
                 )  # fmt: skip
                 out.append(
                     Scan(
-                        Path(f"person-{person}/{role}-{visit.view}"), loader,
-                        subject=f"person-{person}", role=role, session=str(visit.session),
-                        view=visit.view, expression=visit.expression, sensor=sensor,
+                        Path(f"person-{person}/{role}-{visit.view}"),
+                        loader,
+                        subject=f"person-{person}",
+                        role=role,
+                        session=str(visit.session),
+                        view=visit.view,
+                        expression=visit.expression,
+                        sensor=sensor,
                     )  # fmt: skip
                 )
     return out
