@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import argparse
 import collections
-import faulthandler
 import json
+import mmap
 import resource
+import struct
 import subprocess
 import sys
 import tempfile
@@ -27,10 +28,24 @@ from rangeface.errors import ScanError
 
 HANG_S = 10.0
 MEMORY_MB = 256.0
+CLOCK = struct.Struct("<qd")
 HEAVY = {"vap", "rap3df", "swissranger"}  # a megabyte of text, or an unwrapping: one in twenty
 NUMBERS = [0, 1, -1, 2, 127, 128, 255, 256, 32767, 65535, 65536, 2**31 - 1, -(2**31), 2**32 - 1]
 WORDS = [b"-1", b"0", b"1e999", b"nan", b"-inf", b"4294967296", b"99999999999999999999", b"1e-999"]
-WORDS += [b"2147483648", b"{", b"}", b"[", b"]", b'"', b"#", b"\0", b"DEF A", b"USE A", b"\\\n", b""]
+WORDS += [
+    b"2147483648",
+    b"{",
+    b"}",
+    b"[",
+    b"]",
+    b'"',
+    b"#",
+    b"\0",
+    b"DEF A",
+    b"USE A",
+    b"\\\n",
+    b"",
+]
 
 
 def seeds() -> dict[str, dict[str, bytes]]:
@@ -81,40 +96,36 @@ def mutate(rng: np.random.Generator, data: bytes, other: bytes) -> bytes:
     return bytes(out)
 
 
-def case(number: int, seed: int, files: dict[str, dict[str, bytes]]) -> dict[str, bytes]:
-    """The files of a case; every third time one of those beside the scan is mutated too."""
+def case(number: int, seed: int, files: dict[str, dict[str, bytes]]) -> tuple[str, dict]:
+    """Which scan a case mutates, and the mutated files: the scan, sometimes one beside it."""
     rng = np.random.default_rng((seed, number))
     names = list(files)
     name = names[int(rng.integers(len(names)))]
     if name in HEAVY and rng.random() < 0.95:
         name = "vrml2"
     other = files[names[int(rng.integers(len(names)))]]
-    out = dict(files[name])
-    first, *beside = out
-    out[first] = mutate(rng, out[first], next(iter(other.values())))
+    first, *beside = files[name]
+    changed = {first: mutate(rng, files[name][first], next(iter(other.values())))}
     if beside and rng.random() < 0.3:
-        out[beside[0]] = mutate(rng, out[beside[0]], b"")
-    return out
+        changed[beside[0]] = mutate(rng, files[name][beside[0]], b"")
+    return name, changed
 
 
-def read(path: Path) -> str:
-    """Read a scan in every way; the outcome in one word. Anything else is raised."""
-    outcome = "read"
+def read(path: Path, number: int) -> str:
+    """Read a scan; the outcome in one word. Anything but ScanError is raised."""
     try:
+        if number % 4 == 0:
+            assert np.isfinite(io.read_points(path).points).all()
+        if path.suffix == ".mcap" and number % 2:
+            assert all(frame.depth.dtype == np.float32 for frame in io.read_frames(path))
         image = io.read_scan(path)
         assert image.mask.any()
         assert not np.isinf(image.depth).any()
         assert np.isfinite(image.points[image.mask]).all()
     except ScanError as fault:
-        outcome = fault.fault.name.lower()
         assert "\n" not in str(fault)
-    try:
-        assert np.isfinite(io.read_points(path).points).all()
-        for image in io.read_frames(path):
-            assert image.depth.dtype == np.float32
-    except ScanError:
-        pass
-    return outcome
+        return fault.fault.name.lower()
+    return "read"
 
 
 def work(start: int, stop: int, seed: int, folder: Path, seconds: float) -> None:
@@ -123,48 +134,61 @@ def work(start: int, stop: int, seed: int, folder: Path, seconds: float) -> None
     files = seeds()
     for name, whole in files.items():  # compile everything before the memory is measured
         (folder / name).mkdir()
-        read(scan_files.write(whole, folder / name))
+        read(scan_files.write(whole, folder / name), 0)
     base = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     tally: collections.Counter[str] = collections.Counter()
-    slowest, slowest_case, begin = 0.0, -1, time.perf_counter()
-    last = folder / "last"
+    slowest, slowest_case, begin = 0.0, -1, time.monotonic()
+    clock = _clock(folder)
     number = start
     for number in range(start, stop):
-        last.write_text(str(number))
-        changed = case(number, seed, files)
-        place = folder / "case"
-        place.mkdir(exist_ok=True)
-        path = scan_files.write(changed, place)
-        faulthandler.dump_traceback_later(HANG_S, exit=True)
-        before = time.perf_counter()
-        tally[read(path)] += 1
-        took = time.perf_counter() - before
-        faulthandler.cancel_dump_traceback_later()
+        name, changed = case(number, seed, files)
+        for file, data in changed.items():
+            (folder / name / file).write_bytes(data)
+        before = time.monotonic()
+        CLOCK.pack_into(clock, 0, number, before)
+        tally[read(folder / name / next(iter(changed)), number)] += 1
+        took = time.monotonic() - before
         if took > slowest:
             slowest, slowest_case = took, number
-        for name in changed:
-            (place / name).unlink()
-        if seconds and time.perf_counter() - begin > seconds:
+        for file in list(changed)[1:]:
+            (folder / name / file).write_bytes(files[name][file])
+        if seconds and time.monotonic() - begin > seconds:
             break
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(json.dumps({
         "cases": number + 1 - start, "next": number + 1, "seed": seed,
-        "seconds": round(time.perf_counter() - begin, 1), "slowest_s": round(slowest, 3),
+        "seconds": round(time.monotonic() - begin, 1), "slowest_s": round(slowest, 3),
         "slowest_case": slowest_case, "memory_mb": round(peak - base, 1), "outcomes": dict(tally),
     }))  # fmt: skip
 
 
+def _clock(folder: Path) -> mmap.mmap:
+    """Memory that both processes see: the case at hand and when it began."""
+    with (folder / "clock").open("a+b") as file:
+        file.truncate(CLOCK.size)
+        return mmap.mmap(file.fileno(), CLOCK.size)
+
+
 def run(cases: int, *, start: int = 0, seed: int = 0, seconds: float = 0.0) -> dict:
-    """Run the cases in a process of their own; its death is a failure of the last case."""
-    with tempfile.TemporaryDirectory() as folder:
-        worker = [sys.executable, __file__, "--work", folder, "--cases", str(cases)]
+    """Run the cases in a process of their own; its death or hang is a failure of its last case."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        clock = _clock(folder)
+        worker = [sys.executable, __file__, "--work", name, "--cases", str(cases)]
         worker += ["--start", str(start), "--seed", str(seed), "--seconds", str(seconds)]
-        done = subprocess.run(worker, capture_output=True, text=True, check=False)
-        if done.returncode:
-            last = Path(folder) / "last"
-            number = last.read_text() if last.exists() else "none"
-            raise SystemExit(f"case {number} of seed {seed}: {done.stderr[-3000:]}")
-    result = json.loads(done.stdout.splitlines()[-1])
+        with (folder / "out").open("w+") as out, (folder / "err").open("w+") as err:
+            process = subprocess.Popen(worker, stdout=out, stderr=err)
+            while process.poll() is None:
+                time.sleep(0.2)
+                number, began = CLOCK.unpack_from(clock)
+                if began and time.monotonic() - began > HANG_S and process.poll() is None:
+                    process.kill()
+            if process.wait():
+                err.seek(0)
+                number, _ = CLOCK.unpack_from(clock)
+                raise SystemExit(f"case {number} of seed {seed} died: {err.read()[-3000:]}")
+            out.seek(0)
+            result = json.loads(out.read().splitlines()[-1])
     if result["memory_mb"] > MEMORY_MB:
         raise SystemExit(f"{result['memory_mb']} MB above the base: {result}")
     return result
