@@ -196,7 +196,8 @@ def _parse(source: Source) -> tuple[str, RangeImage | Cloud]:
     """Content of a source; whatever a reader trips over becomes a ScanError."""
     name = identify(source)
     try:
-        return name, FORMATS[name].parse(source)
+        with np.errstate(all="ignore"):  # wild numbers are found where they are checked
+            return name, FORMATS[name].parse(source)
     except ScanError:
         raise
     except RangeFaceError as fault:

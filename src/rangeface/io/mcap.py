@@ -91,7 +91,8 @@ def _messages(source: Source) -> Iterator[tuple[_Channel, memoryview]]:
         try:
             cursor = _Cursor(body, ros1=True)
             if kind == _SCHEMA:
-                schemas[cursor.number("H")] = cursor.text()
+                number = cursor.number("H")
+                schemas[number] = cursor.text()
             elif kind == _CHANNEL:
                 number, schema = cursor.number("H"), cursor.number("H")
                 name = schemas.get(schema, "").rsplit("/", 1)[-1]
