@@ -93,7 +93,7 @@ def mean_anatomy() -> Anatomy:
     front = 1.0 - ramp(np.abs(theta), np.radians(58), np.radians(84))
     above = _hairline(theta) - level
     relief = front * (_nose(x, level) + _eyes(x, level) + _mouth(x, level) + _cheeks(x, level))
-    outward = _ear(theta, level) + 7.0 * ramp(above, -1.0, 16.0)
+    outward = _ear(theta, level) + 7.0 * ramp(above, -2.0, 22.0)
     sideways, upwards = outward * vault, outward * np.sqrt(1.0 - vault**2)
     points = np.stack(
         [x + sideways * np.sin(theta), level - upwards, z - relief - sideways * np.cos(theta)],
@@ -191,7 +191,7 @@ def _below_jaw(theta: Field, level: Field) -> Field:
         (130, 25),
         (180, 30),
     )
-    softness = curve(away, (0, 7), (40, 7), (62, 12), (95, 20), (130, 32), (180, 36))
+    softness = curve(away, (0, 8.5), (40, 8.5), (62, 12), (95, 20), (130, 32), (180, 36))
     return ramp((level - border) / softness, -1.0, 1.0)
 
 
@@ -215,24 +215,25 @@ def _gauss(x: Field, y: Field, x0: float, y0: float, width: float, height: float
 def _nose(x: Field, y: Field) -> Field:
     # height of the ridge above the midline: sellion, bridge, tip (protrusion 19 mm), base
     ridge = spline(
-        y, (-56, 0), (-46, 0.9), (-41, 2.2), (-32, 7.2), (-22, 12.6), (-12, 17.2), (-5, 20.0),
-        (-1, 20.4), (3, 18.6), (6, 13.8), (9, 6.6), (12, 1.8), (15, 0.2), (18, 0),
+        y + 0.2 * np.abs(x) * ramp(y, -12.0, 4.0),  # the base rises towards the wings
+        (-56, 0), (-46, 0.9), (-41, 2.2), (-32, 7.2), (-22, 12.6), (-12, 17.2), (-5, 20.0),
+        (-1, 20.4), (3, 18.8), (6.5, 13.8), (9.5, 6.6), (12.5, 1.8), (15.5, 0.2), (18, 0),
     )  # fmt: skip
     half = curve(y, (-45, 8.4), (-30, 8.6), (-15, 9.2), (-3, 8.8), (5, 8.3), (12, 7.5))
     blunt = curve(y, (-40, 1.9), (-20, 1.9), (-3, 2.1), (12, 2.2))
     bridge = ridge * np.exp(-((np.abs(x) / half) ** blunt))
-    wings = 8.8 * _gauss(x, y, 12.8, 3.0, 3.9, 4.8) + 1.8 * _gauss(x, y, 14.0, -3.0, 6.0, 10.0)
+    wings = 8.6 * _gauss(x, y, 12.6, 2.2, 3.8, 4.9) + 1.8 * _gauss(x, y, 14.0, -3.0, 6.0, 10.0)
     nostrils = 3.6 * _gauss(x, y, 6.4, 10.4, 3.0, 2.0) + 1.4 * _gauss(x, y, 20.5, 6.0, 2.6, 6.0)
     return bridge + wings - nostrils
 
 
 def _eyes(x: Field, y: Field) -> Field:
-    brow = 3.0 * _gauss(x, y + 0.1 * (np.abs(x) - 28), 26.0, -57.0, 15.0, 5.0)
+    brow = 2.3 * _gauss(x, y + 0.1 * (np.abs(x) - 28), 26.0, -57.0, 15.0, 5.0)
     glabella = 1.8 * _gauss(x, y, 0.0, -57.0, 13.0, 7.0)
-    socket = 5.4 * _gauss(x, y, 30.0, -39.0, 13.0, 7.0) + 7.4 * _gauss(x, y, 16.8, -37.5, 5.2, 6.0)
-    ball = 5.6 * _gauss(x, y, 31.5, -36.6, 8.6, 5.2)
+    socket = 5.2 * _gauss(x, y, 30.0, -39.0, 13.0, 7.0) + 7.4 * _gauss(x, y, 16.8, -37.5, 5.2, 6.0)
+    ball = 7.0 * _gauss(x, y, 31.5, -36.4, 8.8, 5.6)
     almond = np.clip(1.0 - ((np.abs(x) - 31.5) / 15.5) ** 2, 0.0, 1.0)
-    slit = 1.2 * almond**0.3 * np.exp(-0.5 * ((np.abs(y + 37.0) - 5.6 * almond) / 1.4) ** 2)
+    slit = 1.5 * almond**0.3 * np.exp(-0.5 * ((np.abs(y + 37.0) - 5.6 * almond) / 1.4) ** 2)
     bag = 1.0 * _gauss(x, y, 30.0, -25.0, 12.0, 3.0)
     return brow + glabella + ball - socket - slit - bag
 
@@ -240,8 +241,8 @@ def _eyes(x: Field, y: Field) -> Field:
 def _mouth(x: Field, y: Field) -> Field:
     across = np.clip(1.0 - (x / 26.0) ** 2, 0.0, 1.0)
     seam = 31.6 + 0.8 * np.exp(-((x / 5) ** 2)) + 0.0009 * x**2
-    upper = 3.6 * across**0.7 * np.exp(-0.5 * ((y - seam + 4.6) / 2.9) ** 2)
-    lower = 4.2 * across**0.8 * np.exp(-0.5 * ((y - seam - 5.6) / 3.3) ** 2)
+    upper = 4.2 * across**0.8 * np.exp(-0.5 * ((y - seam + 4.6) / 2.9) ** 2)
+    lower = 5.0 * across**0.9 * np.exp(-0.5 * ((y - seam - 5.6) / 3.3) ** 2)
     line = 2.2 * across**0.5 * np.exp(-0.5 * ((y - seam) / 1.3) ** 2)
     corner = 1.8 * _gauss(x, y, 26.0, 33.0, 3.4, 3.6)
     philtrum = 0.9 * _gauss(x, y, 0.0, 19.5, 2.6, 4.5) - 0.5 * _gauss(x, y, 5.2, 20.0, 2.2, 5.0)
