@@ -32,6 +32,7 @@ from rangeface.describe._n3 import n3
 from rangeface.describe._normal_angle import normal_angle
 from rangeface.describe._normals import normals
 from rangeface.describe._normals_covariance import normals_covariance
+from rangeface.describe._profiles import profiles
 from rangeface.describe._radial_curves import radial_curves
 from rangeface.describe._tdlbp import tdlbp
 from rangeface.describe._tdlbp_histogram import tdlbp_histogram
@@ -69,6 +70,7 @@ METHODS = {
     "lhg": lhg,
     "vertical_profile": vertical_profile,
     "horizontal_profile": horizontal_profile,
+    "profiles": profiles,
     "radial_curves": radial_curves,
     "gabor": gabor,
     "hog": hog,
@@ -94,6 +96,7 @@ OUTPUTS = {
     "lhg": Output("image", -_INF, _INF),
     "vertical_profile": Output("vector", -_INF, _INF),
     "horizontal_profile": Output("vector", -_INF, _INF),
+    "profiles": Output("vector", -_INF, _INF),
     "radial_curves": Output("vector", -_INF, _INF),
     "gabor": Output("channels", 0.0, _INF),
     "hog": Output("histogram", 0.0, 1.0),
@@ -135,6 +138,7 @@ __all__ = [
     "normals",
     "normals_covariance",
     "profile_height",
+    "profiles",
     "radial_curves",
     "symmetry_line",
     "tdlbp",
