@@ -44,7 +44,7 @@ def frontal() -> RangeImage:
     """A bumpy ellipsoid on the frontal grid of 80 × 50 pixels."""
     camera = Orthographic(2.8, 24.5, 42.0, 50, 80)
     v, u = np.mgrid[0:80, 0:50]
-    x, y = (u - camera.cx) * 2.8, (v - camera.cy) * 2.8
+    x, y = (u - camera.cx) * 2.8 - 2.0, (v - camera.cy) * 2.8  # not quite centred
     inside = np.maximum(1.0 - (x / 90.0) ** 2 - (y / 140.0) ** 2, 0.0)
     depth = 110.0 - 92.0 * np.sqrt(inside) - 18.0 * np.exp(-(x**2 + y**2) / 300.0)
     depth += np.random.default_rng(1).normal(0.0, 0.5, depth.shape)

@@ -16,6 +16,7 @@ from rangeface.describe._curvature import curvature
 from rangeface.describe._curvature_sigma import curvature_sigma
 from rangeface.describe._depth import depth
 from rangeface.describe._depth_levels import depth_levels
+from rangeface.describe._dtcwt import dtcwt
 from rangeface.describe._gabor import gabor
 from rangeface.describe._hog import hog
 from rangeface.describe._horizontal_profile import (
@@ -72,6 +73,7 @@ METHODS = {
     "horizontal_profile": horizontal_profile,
     "profiles": profiles,
     "radial_curves": radial_curves,
+    "dtcwt": dtcwt,
     "gabor": gabor,
     "hog": hog,
     "block_covariance": block_covariance,
@@ -98,6 +100,7 @@ OUTPUTS = {
     "horizontal_profile": Output("vector", -_INF, _INF),
     "profiles": Output("vector", -_INF, _INF),
     "radial_curves": Output("vector", -_INF, _INF),
+    "dtcwt": Output("vector", 0.0, _INF),
     "gabor": Output("channels", 0.0, _INF),
     "hog": Output("histogram", 0.0, 1.0),
     "block_covariance": Output("vector", -_INF, _INF),
@@ -124,6 +127,7 @@ __all__ = [
     "curvature_sigma",
     "depth",
     "depth_levels",
+    "dtcwt",
     "gabor",
     "hog",
     "horizontal_curve",
