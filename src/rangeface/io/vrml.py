@@ -25,9 +25,9 @@ from rangeface.numerics.se3 import rotation_matrix
 from rangeface.numerics.text import numbers
 
 _TOKEN = re.compile(
-    rb"""(?:[\s,]+|\#[^\r\n]*)*                 # white space, commas and comments
-    (?: (?P<number>[-+]?\.?\d[^\s,{}\[\]\#"]*)
-      | (?P<word>[^\s,{}\[\]\#"]+)
+    rb"""(?:[\s,]++|\#[^\r\n]*+)*+              # white space, commas and comments
+    (?: (?P<number>[-+]?\.?\d[^\s,{}\[\]\#"]*+)
+      | (?P<word>[^\s,{}\[\]\#"]++)
       | (?P<mark>[{}\[\]])
       | (?P<text>"(?:[^"\\]|\\.)*+") )""",
     re.VERBOSE | re.DOTALL,
