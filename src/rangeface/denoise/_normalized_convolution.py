@@ -5,7 +5,7 @@ import numpy as np
 from rangeface.denoise import _check
 from rangeface.denoise._confidence import Confidence, confidence_of
 from rangeface.denoise._noise import sigma_map
-from rangeface.numerics import smoothing
+from rangeface.numerics import holes, smoothing
 from rangeface.types import Float32, RangeImage
 
 
@@ -76,50 +76,53 @@ def normalized_convolution(
     if max_step_mm is not None:
         _check.positive("max_step_mm", max_step_mm)
     weights = confidence_of(image, confidence)
-    variance = np.ones(image.shape, np.float32) if image.sigma is None else image.sigma**2
     if not weights.any():
         return image
+    kernel = smoothing.gaussian_kernel(sigma_px)
     if max_step_mm is None:
-        depth, spread, support = _across_steps(image, weights, variance, sigma_px)
+        depth, spread = _across_steps(image, weights, kernel)
     else:
-        depth, spread, support = _within_steps(
-            image, weights, variance, sigma_px, max_step_mm, fill
-        )
+        depth, spread = _within_steps(image, weights, kernel, max_step_mm, fill)
     # a pixel without confidence keeps its measured depth unless neighbours speak for it
-    filled = ~image.mask & (support >= min_support) & np.isfinite(depth) & fill
     kept = image.mask & np.isfinite(depth)
-    out = np.where(kept | filled, depth, image.depth)
-    sigma = None
-    if image.sigma is not None:
-        sigma = np.where(kept | filled, np.sqrt(spread), image.sigma)
-    before = np.zeros(image.shape, bool) if image.filled is None else image.filled
-    return image.with_depth(out, sigma=sigma, filled=before | filled)
+    if fill and not image.mask.all():
+        support = smoothing.blurred(image.mask.astype(np.float32), kernel)
+        filled = ~image.mask & (support >= min_support) & np.isfinite(depth)
+    else:
+        filled = np.zeros(image.shape, dtype=bool)
+    new = kept | filled
+    sigma = image.sigma
+    if sigma is not None and spread is not None:
+        sigma = np.where(new, np.sqrt(spread), sigma)
+    before = filled if image.filled is None else image.filled | filled
+    return image.with_depth(np.where(new, depth, image.depth), sigma=sigma, filled=before)
+
+
+def _variance(image: RangeImage) -> Float32 | None:
+    return None if image.sigma is None else image.sigma * image.sigma
 
 
 def _across_steps(
-    image: RangeImage, weights: Float32, variance: Float32, sigma_px: float
-) -> tuple[Float32, Float32, Float32]:
-    # around the median the float32 sums lose nothing, however far away the scene is
-    level = np.float32(np.nanmedian(image.depth))
-    depth, spread, support = smoothing.normalized_convolution(
-        image.depth - level, weights, variance, sigma_px
+    image: RangeImage, weights: Float32, kernel: Float32
+) -> tuple[Float32, Float32 | None]:
+    # around the middle the float32 sums lose nothing, however far away the scene is
+    level = np.float32(np.nanmean(image.depth))
+    depth, spread, _ = smoothing.normalized_convolution(
+        image.depth - level, weights, _variance(image), kernel
     )
-    return depth + level, spread, support
+    return depth + level, spread
 
 
 def _within_steps(
-    image: RangeImage,
-    weights: Float32,
-    variance: Float32,
-    sigma_px: float,
-    max_step_mm: float,
-    fill: bool,
-) -> tuple[Float32, Float32, Float32]:
+    image: RangeImage, weights: Float32, kernel: Float32, max_step_mm: float, fill: bool
+) -> tuple[Float32, Float32 | None]:
     step = np.full(image.shape, max_step_mm, dtype=np.float32)
     if image.sigma is not None:
         step += np.float32(3.0 * np.sqrt(2.0)) * sigma_map(image)
     reference = image.depth
     if fill and not image.mask.all():
-        reference = smoothing.nearest_valid(image.depth, image.mask)
-    kernel = smoothing.gaussian_kernel(sigma_px)
-    return smoothing.gated_convolution(image.depth, weights, variance, reference, step, kernel)
+        reference = holes.nearest_valid(image.depth, image.mask)
+    depth, spread, _ = smoothing.gated_convolution(
+        image.depth, weights, _variance(image), reference, step, kernel
+    )
+    return depth, spread
