@@ -16,6 +16,8 @@ def sigma_map(image: RangeImage) -> Float32:
     """
     estimate = np.full(image.shape, np.nan, np.float32) if image.sigma is None else image.sigma
     known = image.mask & np.isfinite(estimate) & (estimate > 0)
+    if known.all():
+        return estimate
     if known.any():
         middle = np.median(estimate[known])
     else:

@@ -49,6 +49,8 @@ class Noise(NamedTuple):
 
 
 LEVELS = {
+    "crop clean": Noise("crop", 0.0),
+    "scan clean": Noise("scan", 0.0),
     **{f"crop {name}": Noise("crop", n * _GREY_MM) for name, n in _PAPER.items()},
     **{f"scan {name}": Noise("scan", n * _GREY_MM) for name, n in _PAPER.items()},
     **{f"tof {mm} mm": Noise("tof", float(mm)) for mm in (1, 2, 4, 8)},
@@ -265,7 +267,8 @@ def _cell(run: Run, noise: Noise, method: Step) -> dict[str, Any]:
                 "clean": _hits(clean, G, train, P, probes),
                 "matched": _hits(matched, matched.transform(X), train, P, probes),
             }
-    return {"hits": hits, "gain_db": _gain_db(run, noise, method) if noise.site == "crop" else None}
+    noisy_crop = noise.site == "crop" and noise.sigma_mm > 0.0
+    return {"hits": hits, "gain_db": _gain_db(run, noise, method) if noisy_crop else None}
 
 
 def _observed(run: Run, noise: Noise, method: Step) -> dict[str, list[RangeImage]]:
