@@ -617,7 +617,7 @@ class Scan:
     path : Path
         The file, or the folder of a sequence.
     loader : callable
-        Reads the frames of `path`; raises ScanError.
+        Reads `path`: one image, or the frames of a sequence; raises ScanError.
     subject : str
         Who it shows.
     role : str
@@ -629,7 +629,7 @@ class Scan:
     """
 
     path: Path
-    loader: Callable[[Path], RangeImage] = field(repr=False)
+    loader: Callable[[Path], RangeImage | list[RangeImage]] = field(repr=False)
     subject: str = ""
     role: str = ""
     session: str = ""
@@ -638,8 +638,8 @@ class Scan:
     sensor: str = ""
     landmarks: Mapping[str, Float64] = field(default_factory=dict)
 
-    def load(self) -> RangeImage:
-        """Read the capture.
+    def load(self) -> RangeImage | list[RangeImage]:
+        """Read the capture: one image, or the frames of a sequence.
 
         Raises
         ------

@@ -3,7 +3,22 @@
 import numpy as np
 import pytest
 
-from rangeface.classify import METHODS, MLDA, PCA, FisherfaceLDA
+from rangeface.classify import (
+    METHODS,
+    MLDA,
+    PCA,
+    SUPERVISED,
+    SVM,
+    BlockCovariance,
+    CollaborativeRepresentation,
+    FisherfaceLDA,
+    HistogramMatcher,
+    KernelFisher,
+    PearsonMatcher,
+    RegularizedLDA,
+    WarpedPearsonMatcher,
+    WhitenedPCA,
+)
 from rangeface.errors import DegenerateError, ParameterError, RangeFaceError
 from rangeface.numerics.similarity import similarity
 
@@ -69,6 +84,23 @@ def test_another_width_is_refused(kind):
         (MLDA(alpha=np.nan), "alpha"),
         (FisherfaceLDA(0), "n_components"),
         (FisherfaceLDA(n_pca=0), "n_pca"),
+        (WhitenedPCA(0), "n_components"),
+        (RegularizedLDA(0), "n_components"),
+        (RegularizedLDA(shrinkage=0.0), "shrinkage"),
+        (RegularizedLDA(shrinkage=1.1), "shrinkage"),
+        (KernelFisher(0), "n_components"),
+        (KernelFisher(gamma=0.0), "gamma"),
+        (KernelFisher(shrinkage=0.0), "shrinkage"),
+        (CollaborativeRepresentation(0), "n_components"),
+        (CollaborativeRepresentation(regularization=0.0), "regularization"),
+        (SVM(penalty=0.0), "penalty"),
+        (HistogramMatcher(blocks=0), "blocks"),
+        (HistogramMatcher(blocks=7), "blocks"),
+        (BlockCovariance(ridge=0.0), "ridge"),
+        (BlockCovariance(image_shape=(4, 4)), "image_shape"),
+        (BlockCovariance(image_shape=(5, 6), grid=(6, 1)), "grid"),
+        (PearsonMatcher(max_shift=-1), "max_shift"),
+        (WarpedPearsonMatcher(band=-1), "band"),
     ],
 )
 def test_a_parameter_out_of_range_is_named(matcher, name):
@@ -76,23 +108,43 @@ def test_a_parameter_out_of_range_is_named(matcher, name):
         matcher.fit(NOISE, LABELS)
 
 
-@pytest.mark.parametrize("kind", [MLDA, FisherfaceLDA])
+@pytest.mark.parametrize("kind", [METHODS[name] for name in sorted(SUPERVISED)])
 def test_one_person_is_too_few(kind):
     with pytest.raises(DegenerateError, match="one class"):
         kind().fit(NOISE, np.zeros(12))
 
 
-@pytest.mark.parametrize("kind", [PCA, MLDA, FisherfaceLDA])
+@pytest.mark.parametrize(
+    "kind",
+    [PCA, WhitenedPCA, CollaborativeRepresentation, *(METHODS[n] for n in sorted(SUPERVISED))],
+)
 def test_samples_that_are_all_alike_are_refused(kind):
     with pytest.raises(DegenerateError, match="alike"):
         kind().fit(np.full((12, 30), 0.1), LABELS)
 
 
-def test_fisherfaces_need_variation_within_people():
+@pytest.mark.parametrize("kind", [FisherfaceLDA, RegularizedLDA, KernelFisher])
+def test_a_quotient_needs_variation_within_people(kind):
+    with pytest.raises(DegenerateError, match="varies within"):
+        kind().fit(np.repeat(NOISE[:3], 4, axis=0), LABELS)
+
+
+def test_fisherfaces_need_two_samples_of_somebody():
     with pytest.raises(DegenerateError, match="one sample a class"):
         FisherfaceLDA().fit(NOISE[:3], [0, 1, 2])
-    with pytest.raises(DegenerateError, match="varies within"):
-        FisherfaceLDA().fit(np.repeat(NOISE[:3], 4, axis=0), LABELS)
+
+
+def test_counts_are_not_negative():
+    with pytest.raises(ParameterError, match="Negative"):
+        HistogramMatcher().fit(NOISE - 0.5)
+    with pytest.raises(ParameterError, match="Negative"):
+        HistogramMatcher().fit(NOISE).transform(NOISE - 0.5)
+
+
+def test_a_machine_that_does_not_converge_says_so(monkeypatch):
+    monkeypatch.setattr("rangeface.classify._svm._MAX_ITERATIONS", 1)
+    with pytest.raises(DegenerateError, match="does not converge"):
+        SVM(penalty=1e6).fit(NOISE, LABELS)
 
 
 def test_similarity_refuses_an_unknown_metric_and_rows_of_two_lengths():

@@ -7,15 +7,53 @@ Every entry of `METHODS` is a scikit-learn estimator with ``fit(X, y)``, ``trans
 from __future__ import annotations
 
 from rangeface.classify._base import Matcher
+from rangeface.classify._block_covariance import BlockCovariance
+from rangeface.classify._collaborative import CollaborativeRepresentation
 from rangeface.classify._fisherface import FisherfaceLDA
+from rangeface.classify._histogram import HistogramMatcher
+from rangeface.classify._kernel_fisher import KernelFisher
 from rangeface.classify._mlda import MLDA
 from rangeface.classify._pca import PCA
+from rangeface.classify._pearson import PearsonMatcher, WarpedPearsonMatcher
+from rangeface.classify._regularized_lda import RegularizedLDA
 from rangeface.classify._state import fitted_state, restore
+from rangeface.classify._svm import SVM
+from rangeface.classify._whitened_pca import WhitenedPCA
 
 METHODS: dict[str, type[Matcher]] = {
     "pca": PCA,
+    "whitened-pca": WhitenedPCA,
     "lda": FisherfaceLDA,
+    "regularized-lda": RegularizedLDA,
     "mlda": MLDA,
+    "kernel-fisher": KernelFisher,
+    "crc": CollaborativeRepresentation,
+    "svm": SVM,
+    "histogram": HistogramMatcher,
+    "block-covariance": BlockCovariance,
+    "pearson": PearsonMatcher,
+    "warped-pearson": WarpedPearsonMatcher,
 }
 
-__all__ = ["METHODS", "MLDA", "PCA", "FisherfaceLDA", "Matcher", "fitted_state", "restore"]
+#: Those that learn from people's names; the others need only samples, or nothing at all.
+SUPERVISED = frozenset({"lda", "regularized-lda", "mlda", "kernel-fisher", "svm"})
+
+__all__ = [
+    "METHODS",
+    "MLDA",
+    "PCA",
+    "SUPERVISED",
+    "SVM",
+    "BlockCovariance",
+    "CollaborativeRepresentation",
+    "FisherfaceLDA",
+    "HistogramMatcher",
+    "KernelFisher",
+    "Matcher",
+    "PearsonMatcher",
+    "RegularizedLDA",
+    "WarpedPearsonMatcher",
+    "WhitenedPCA",
+    "fitted_state",
+    "restore",
+]

@@ -25,8 +25,6 @@ class PCA(LinearProjection):
     ----------
     n_components : int, optional
         Number of eigenvectors, ≥ 1; at most the rank of the samples are kept. None: all.
-    whiten : bool
-        Scale each component to unit variance on the training samples.
     metric : {"euclidean", "cosine"}
         Similarity of two projections: negative distance, or cosine.
 
@@ -34,7 +32,7 @@ class PCA(LinearProjection):
     ----------
     mean_ : (m,) float32
     components_ : (n_components_, m) float32
-        Orthonormal rows (before whitening), largest eigenvalue first.
+        Orthonormal rows, largest eigenvalue first.
     eigenvalues_ : (n_components_,) float32
         Of S_T / (N − 1): the variances of the components.
     n_components_ : int
@@ -68,11 +66,9 @@ class PCA(LinearProjection):
         self,
         n_components: int | None = None,
         *,
-        whiten: bool = False,
         metric: str = "euclidean",
     ) -> None:
         self.n_components = n_components
-        self.whiten = whiten
         self.metric = metric
 
     def fit(self, X: ArrayLike, y: object = None) -> Self:
@@ -92,5 +88,4 @@ class PCA(LinearProjection):
         values, vectors = values[kept], vectors[:, kept]
         W = (vectors / np.sqrt(values)).T @ Xc if few else vectors.T
         self.eigenvalues_ = np.asarray(values / (len(Xc) - 1), dtype=np.float32)
-        scale = np.sqrt(self.eigenvalues_)[:, None] if self.whiten else np.float32(1.0)
-        return self._keep(mean, oriented(W) / scale)
+        return self._keep(mean, oriented(W))

@@ -13,7 +13,7 @@ from rangeface.errors import DegenerateError
 
 Array = NDArray[Any]
 
-ROUNDING = 32  # a pivot below this many eps of the largest one is rounding, not variation
+ROUNDING = 100  # a pivot below this many eps of the largest one is rounding, not variation
 
 
 @dataclass(frozen=True)
@@ -85,14 +85,24 @@ def span(X: Array, *, dtype: type = np.float64) -> Span:
         raise DegenerateError(f"the {len(X)} samples are all alike (n_samples = {len(X)})")
     if len(X) > X.shape[1]:
         return Span(mean, Xc)
-    gram = Xc @ Xc.T
+    Z, pivots, L = gram_span(Xc @ Xc.T)
+    return Span(mean, Z, Xc[pivots], L)
+
+
+def gram_span(gram: Array) -> tuple[Array, Array, Array]:
+    """Coordinates Z with K = Z Zᵀ, the samples that carry the basis, and their factor L.
+
+    K is the Gram matrix of centred samples. Row p of L is the coordinates of basis sample p, so any sample x with products k = ⟨x, basis⟩
+    has the coordinates L⁻¹k.
+    """
     pstrf = lapack.spstrf if gram.dtype == np.float32 else lapack.dpstrf
     tolerance = ROUNDING * np.finfo(gram.dtype).eps * gram.diagonal().max()
-    L, pivots, rank, _ = pstrf(gram, tol=tolerance, lower=1)
-    L = np.tril(L)[:, :rank]
+    L, order, rank, _ = pstrf(gram, tol=tolerance, lower=1)
+    rank = min(rank, len(gram) - 1)  # centring costs one dimension
+    L, pivots = np.tril(L)[:, :rank], order - 1
     Z = np.empty_like(L)
-    Z[pivots - 1] = L
-    return Span(mean, Z, Xc[pivots[:rank] - 1], L[:rank])
+    Z[pivots] = L
+    return Z, pivots[:rank], L[:rank]
 
 
 def scatter_within(Z: Array, labels: Array) -> Array:

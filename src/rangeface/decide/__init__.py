@@ -6,15 +6,17 @@ Scores are higher = more alike; a missing comparison is NaN. The answers are *ac
 
 from __future__ import annotations
 
-from rangeface.decide._fuse import sum_rule
+from rangeface.decide._llr import LlrFusion
 from rangeface.decide._norms import robust_norm, s_norm, t_norm, z_norm
 from rangeface.decide._open_set import open_set, refuse, verify
 from rangeface.decide._per_subject import per_subject
 from rangeface.decide._sequence import SEQUENCE, decide_sequence, majority_vote, sum_of_scores
+from rangeface.decide._sequential import Stopped, sequential
 from rangeface.decide._threshold import threshold_at_fmr
+from rangeface.decide._weighted_sum import weighted_sum
 
 METHODS = {"open-set": open_set}
-FUSE = {"sum": sum_rule}
+FUSE = {"sum": weighted_sum}
 NORMALISE = {"z": z_norm, "t": t_norm, "s": s_norm, "robust": robust_norm}
 
 __all__ = [
@@ -22,6 +24,8 @@ __all__ = [
     "METHODS",
     "NORMALISE",
     "SEQUENCE",
+    "LlrFusion",
+    "Stopped",
     "decide_sequence",
     "majority_vote",
     "open_set",
@@ -29,10 +33,11 @@ __all__ = [
     "refuse",
     "robust_norm",
     "s_norm",
+    "sequential",
     "sum_of_scores",
-    "sum_rule",
     "t_norm",
     "threshold_at_fmr",
     "verify",
+    "weighted_sum",
     "z_norm",
 ]

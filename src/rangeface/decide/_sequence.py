@@ -128,12 +128,12 @@ def decide_sequence(
         raise ParameterError(f"rule: unknown {rule!r}; known are {', '.join(SEQUENCE)}")
     if min_frames < 1:
         raise ParameterError(f"min_frames: must be ≥ 1, got {min_frames}")
-    table = np.asarray(scores, dtype=np.float64).reshape(-1, len(subjects))
-    usable = int(np.count_nonzero(~np.isnan(table).all(axis=1))) if len(subjects) else min_frames
-    if usable < min_frames:
+    if len(subjects) == 0:
+        return open_set([], subjects, threshold=threshold, margin=margin, top=top)
+    table = np.asarray(scores, dtype=np.float64)
+    if np.count_nonzero(~np.isnan(table).all(axis=-1)) < min_frames:
         return refuse(Reason.TOO_FEW_FRAMES, threshold=threshold)
-    fused = SEQUENCE[rule](table) if len(subjects) else np.empty(0)
-    return open_set(fused, subjects, threshold=threshold, margin=margin, top=top)
+    return open_set(SEQUENCE[rule](table), subjects, threshold=threshold, margin=margin, top=top)
 
 
 def _usable(scores: ArrayLike) -> Array:

@@ -7,7 +7,7 @@ from rangeface.numerics import holes
 from rangeface.types import Float32, RangeImage
 
 
-def n3(image: RangeImage, *, method: str = "plane", radius_px: int = 2) -> Float32:
+def n3(image: RangeImage, *, method: str = "plane", radius_px: float = 2.0) -> Float32:
     """The component N₃ of the normals, along the optical axis towards the camera.
 
     Parameters
@@ -16,7 +16,7 @@ def n3(image: RangeImage, *, method: str = "plane", radius_px: int = 2) -> Float
         Frontal image.
     method : {"difference", "plane", "quadric"}
         As for `normals`.
-    radius_px : int
+    radius_px : float
         As for `normals`.
 
     Returns

@@ -25,7 +25,7 @@ METHODS = ("difference", "plane", "quadric")
 
 
 def normals(
-    image: RangeImage, *, components: str = "xyz", method: str = "plane", radius_px: int = 2
+    image: RangeImage, *, components: str = "xyz", method: str = "plane", radius_px: float = 2.0
 ) -> Float32:
     r"""Unit normals of the face: the Gaussian map, or a flat picture of it.
 
@@ -39,7 +39,7 @@ def normals(
         image's mean normal.
     method : {"difference", "plane", "quadric"}
         Central differences, or the least-squares plane or quadric over a disc.
-    radius_px : int
+    radius_px : float
         Radius of that disc, px, 1 … 15; no meaning for "difference".
 
     Returns
@@ -75,7 +75,7 @@ def normals(
     return holes.fill_mean(flatten(gaussian_map(image, method=method, radius_px=radius_px)))
 
 
-def gaussian_map(image: RangeImage, *, method: str, radius_px: int) -> Float32:
+def gaussian_map(image: RangeImage, *, method: str, radius_px: float) -> Float32:
     """Normals (H, W, 3) in the feature frame, NaN where there is none; `normals` documents it."""
     pitch_mm = pitch_of(image)
     if method == "difference":

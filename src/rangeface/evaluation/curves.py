@@ -127,7 +127,7 @@ def ranks_of_mated(
     known = (own < len(people)) & (people[np.minimum(own, len(people) - 1)] == probe_subjects)
     if not known.all():
         stranger = np.asarray(probe_subjects)[~known][0]
-        raise ParameterError(f"probe_subjects: {stranger!r} is not enrolled (closed set)")
+        raise ParameterError(f"probe_subjects: '{stranger}' is not enrolled (closed set)")
     mine = best[np.arange(len(best)), own]
     ranks = np.count_nonzero(best >= mine[:, None], axis=1).astype(np.float64)
     return np.where(np.isneginf(mine), np.inf, ranks)

@@ -158,7 +158,8 @@ def depth_image(
         )
     if source.unit is not None or scale is None:
         scale = source_unit_mm(source, unit)
-    depth = raw.astype(np.float64) * scale
+    with np.errstate(over="ignore", invalid="ignore"):  # signalling NaN, values near the largest
+        depth = raw.astype(np.float64) * scale
     valid = (depth > 0) & (depth <= 1e6)
     if raw.dtype == np.uint16:
         valid &= raw < 65535

@@ -15,6 +15,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from rangeface.errors import ScanFault
+from rangeface.io import truedepth
 from rangeface.io._source import Source
 from rangeface.io.camera_toml import depth_image
 from rangeface.types import RangeImage
@@ -28,8 +29,14 @@ def recognise(source: Source) -> bool:
 
 
 def parse(source: Source) -> RangeImage:
-    """Depth image of a PNG, with its camera file."""
-    return depth_image(source, pixels(source))
+    """Depth image of a PNG, with its camera file or TrueDepth's JSON."""
+    raw = pixels(source)
+    height, width = raw.shape
+    if source.sibling([source.path.stem + ".toml"]) is None:
+        camera = truedepth.intrinsics(source, width, height)
+        if camera is not None:
+            return depth_image(source, raw, unit=truedepth.UNIT, camera=camera)
+    return depth_image(source, raw)
 
 
 def pixels(source: Source) -> NDArray[np.uint16]:

@@ -25,7 +25,7 @@ TERMS = {1: 3, 2: 6}
 
 
 def fit(
-    images: ArrayLike, *, sigma: ArrayLike | None = None, radius_px: int = 2, degree: int = 2
+    images: ArrayLike, *, sigma: ArrayLike | None = None, radius_px: float = 2.0, degree: int = 2
 ) -> Float32:
     """Coefficients of the polynomial that fits best around every pixel.
 
@@ -35,8 +35,8 @@ def fit(
         Values, NaN where invalid.
     sigma : (…, H, W) array_like, optional
         Standard deviation of the values, > 0; a sample whose σ is NaN is left out.
-    radius_px : int
-        Radius of the disc, px, 1 … 15.
+    radius_px : float
+        Radius of the disc, px, 1 … 15; a quadric needs at least √2.
     degree : {1, 2}
         Plane or quadric.
 
@@ -63,7 +63,7 @@ def fit(
 
 
 def fit_with_covariance(
-    images: ArrayLike, *, sigma: ArrayLike, radius_px: int = 2, degree: int = 2
+    images: ArrayLike, *, sigma: ArrayLike, radius_px: float = 2.0, degree: int = 2
 ) -> tuple[Float32, Float32]:
     """Coefficients as by `fit`, and their covariance.
 
@@ -98,12 +98,12 @@ def fit_with_covariance(
 
 
 def _run(
-    images: ArrayLike, sigma: ArrayLike | None, radius_px: int, degree: int, want: bool
+    images: ArrayLike, sigma: ArrayLike | None, radius_px: float, degree: int, want: bool
 ) -> tuple[Float32, Float32, tuple[int, ...]]:
     if degree not in TERMS:
         raise ParameterError(f"degree: must be one of {sorted(TERMS)}, got {degree}")
-    if not (isinstance(radius_px, (int, np.integer)) and 1 <= radius_px <= 15):
-        raise ParameterError(f"radius_px: must be an integer 1 … 15 px, got {radius_px}")
+    if not 1 <= radius_px <= 15:
+        raise ParameterError(f"radius_px: must be 1 … 15 px, got {radius_px}")
     batch, leading = as_batch(images, at_least=3)
     if sigma is None:
         weights = np.ones((1, 1, 1), np.float32)
@@ -117,7 +117,7 @@ def _run(
     k = TERMS[degree]
     coefficients = np.empty((*batch.shape, k), np.float32)
     covariance = np.empty((*batch.shape, k, k) if want else (0, 0, 0, k, k), np.float32)
-    _fit(batch, weights, sigma is not None, radius_px, coefficients, covariance)
+    _fit(batch, weights, sigma is not None, float(radius_px), coefficients, covariance)
     return coefficients, covariance, leading
 
 
@@ -135,10 +135,11 @@ def _basis(i, j, phi):  # type: ignore[no-untyped-def]
 def _moments(f, w, weighted, v, u, radius, phi, A, y):  # type: ignore[no-untyped-def]
     """Normal equations A c = y of one disc, offsets in units of its radius."""
     height, width = f.shape
+    reach = int(radius)
     A[:] = 0.0
     y[:] = 0.0
-    for j in range(max(-radius, -v), min(radius, height - 1 - v) + 1):
-        for i in range(max(-radius, -u), min(radius, width - 1 - u) + 1):
+    for j in range(max(-reach, -v), min(reach, height - 1 - v) + 1):
+        for i in range(max(-reach, -u), min(reach, width - 1 - u) + 1):
             value = np.float64(f[v + j, u + i]) - np.float64(f[v, u])
             weight = np.float64(w[v + j, u + i]) if weighted else 1.0
             if i * i + j * j > radius * radius or value != value or weight != weight:

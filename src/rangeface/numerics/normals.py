@@ -115,7 +115,7 @@ def fit_orthographic(
     depth: ArrayLike,
     pitch: float,
     *,
-    radius_px: int = 2,
+    radius_px: float = 2.0,
     degree: int = 1,
     sigma: ArrayLike | None = None,
 ) -> Float32:
@@ -129,7 +129,7 @@ def fit_orthographic(
         Depth z, NaN where invalid.
     pitch : float
         Edge of a pixel, in the unit of the depth.
-    radius_px : int
+    radius_px : float
         Radius of the window, px, ≥ 1.
     degree : {1, 2}
         Plane or quadric.
@@ -163,7 +163,7 @@ def fit_pinhole(
     cx: float,
     cy: float,
     *,
-    radius_px: int = 2,
+    radius_px: float = 2.0,
     degree: int = 1,
     sigma: ArrayLike | None = None,
 ) -> Float32:

@@ -273,7 +273,10 @@ def _difference(framed, margin, offsets, weights, d):  # type: ignore[no-untyped
     else:
         for x in range(length):
             c = centre[x]
-            d[x] = w0 * (tap0[x] - c) + w1 * (tap1[x] - c) + w2 * (tap2[x] - c) + w3 * (tap3[x] - c)
+            # row by row, so that rows which cancel do so exactly: a tie stays a tie
+            upper = w0 * (tap0[x] - c) + w1 * (tap1[x] - c)
+            lower = w2 * (tap2[x] - c) + w3 * (tap3[x] - c)
+            d[x] = upper + lower
 
 
 @njit(cache=True, nogil=True)

@@ -91,3 +91,36 @@ def grid_triangles(points: NDArray[np.float32], max_edge: float) -> NDArray[np.i
                     out[row, 0], out[row, 1], out[row, 2] = p, q, s
                     row += 1
     return out[:row]
+
+
+@njit(cache=True, nogil=True)
+def fan_closed(indices: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Cut polygons that are each closed by a negative index into fans of triangles.
+
+    Parameters
+    ----------
+    indices : (k,) int64
+        Corners; the last polygon needs no closing index.
+
+    Returns
+    -------
+    (t, 3) int64
+        Triangles.
+
+    Examples
+    --------
+    >>> fan_closed(np.array([0, 1, 2, -1, 2, 1, 3]))
+    array([[0, 1, 2],
+           [2, 1, 3]])
+    """
+    out = np.empty((len(indices), 3), dtype=np.int64)
+    row, first = 0, 0
+    for i in range(len(indices)):
+        if indices[i] < 0:
+            first = i + 1
+        elif i >= first + 2:
+            out[row, 0] = indices[first]
+            out[row, 1] = indices[i - 1]
+            out[row, 2] = indices[i]
+            row += 1
+    return out[:row].copy()

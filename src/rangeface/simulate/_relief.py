@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from rangeface.simulate._anatomy import Anatomy, Field
+from rangeface.simulate._anatomy import Anatomy, Field, ramp
 
 _WAVES = 48
 
 
 def relief(
     anatomy: Anatomy,
-    *,
     rms_mm: float,
     shortest_mm: float,
     longest_mm: float,
+    *,
     rng: np.random.Generator,
 ) -> Field:
     r"""Random undulation of the face with wavelengths in a band, towards the camera.
@@ -38,13 +38,13 @@ def relief(
     Returns
     -------
     (n,) float64
-        Height above the surface, mm; 0 behind the ears.
+        Height above the surface, mm; 0 behind the ears and on the neck.
     """
     length = shortest_mm * (longest_mm / shortest_mm) ** rng.random(_WAVES)
     direction, phase = 2.0 * np.pi * rng.random((2, _WAVES))
     k = 2.0 * np.pi / length * np.stack([np.cos(direction), np.sin(direction)])
-    seen = anatomy.front > 0
+    seen = (anatomy.front > 0) & (anatomy.level < 110.0)
     height = np.zeros(anatomy.x.shape)
     waves = np.stack([anatomy.x[seen], anatomy.y[seen]], axis=-1) @ k + phase
-    height[seen] = rms_mm * np.sqrt(2.0 / _WAVES) * np.cos(waves).sum(axis=1)
-    return height * anatomy.front
+    height[seen] = rms_mm * np.sqrt(2.0 / _WAVES) * np.cos(waves.astype(np.float32)).sum(axis=1)
+    return height * anatomy.front * ramp(-anatomy.level, -110.0, -84.0)
