@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rangeface.errors import DegenerateError, ParameterError
 from rangeface.numerics import se3
+from rangeface.numerics.projection import Projection
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -124,6 +125,11 @@ class Pinhole:
         """Width of a pixel's footprint, mm, on a frontal surface at the given depth."""
         return float(depth_mm / np.sqrt(self.fx * self.fy))
 
+    @property
+    def projection(self) -> Projection:
+        """The camera's parameters as the kernels take them."""
+        return Projection(True, self.fx, self.fy, self.cx, self.cy)
+
     def crop(self, left: int, top: int, width: int, height: int) -> Pinhole:
         """The camera of the window whose first pixel is (left, top)."""
         return Pinhole(self.fx, self.fy, self.cx - left, self.cy - top, width, height)
@@ -179,6 +185,11 @@ class Orthographic:
     def pixel_mm(self, depth_mm: float) -> float:
         """Width of a pixel's footprint, mm: the pitch at every depth."""
         return float(self.pitch_mm)
+
+    @property
+    def projection(self) -> Projection:
+        """The camera's parameters as the kernels take them."""
+        return Projection(False, 1.0 / self.pitch_mm, 1.0 / self.pitch_mm, self.cx, self.cy)
 
     def crop(self, left: int, top: int, width: int, height: int) -> Orthographic:
         """The camera of the window whose first pixel is (left, top)."""
@@ -549,7 +560,8 @@ class ReferenceFace:
     Parameters
     ----------
     image : RangeImage
-        Orthographic, in the face frame: nose tip at (0, 0, 0).
+        Orthographic, in the face frame: nose tip at (0, 0, 0). Its `sigma` is how much people
+        and expressions differ there, mm.
     landmarks : mapping of str to (3,) array
         Landmarks in the face frame, mm.
     name : str
@@ -567,6 +579,31 @@ class ReferenceFace:
             raise DegenerateError("image: a reference face needs at least 100 valid pixels")
         object.__setattr__(self, "landmarks", MappingProxyType(dict(self.landmarks)))
 
+    def surface(self, count: int) -> tuple[Float32, Float32, Float32]:
+        """About `count` points (m, 3), unit normals (m, 3) and weights (m,), evenly spread.
+
+        A point weighs 1/(1 + σ²/σ₀²) with σ₀ the median of `image.sigma`: where people differ
+        most, the reference says least. Normals point to the camera.
+        """
+        from rangeface.numerics.normals import from_points  # numba loads only where it is needed
+
+        normals = from_points(self.image.points)
+        usable = np.isfinite(normals[..., 2])
+        stride = max(int(np.sqrt(usable.sum() / count)), 1)
+        lattice = np.zeros_like(usable)
+        lattice[stride // 2 :: stride, stride // 2 :: stride] = True
+        chosen = usable & lattice
+        if self.image.sigma is None:
+            weights = np.ones(int(chosen.sum()), np.float32)
+        else:
+            sigma = self.image.sigma
+            weights = 1.0 / (1.0 + (sigma[chosen] / np.median(sigma[usable])) ** 2)
+        return (
+            np.ascontiguousarray(self.image.points[chosen]),
+            np.ascontiguousarray(normals[chosen]),
+            np.ascontiguousarray(weights, dtype=np.float32),
+        )
+
 
 # ── scans, templates, decisions ──────────────────────────────────────────────────────────
 
@@ -580,7 +617,7 @@ class Scan:
     path : Path
         The file, or the folder of a sequence.
     loader : callable
-        Reads the frames of `path`; raises ScanError.
+        Reads `path`: one image, or the frames of a sequence; raises ScanError.
     subject : str
         Who it shows.
     role : str
@@ -592,7 +629,7 @@ class Scan:
     """
 
     path: Path
-    loader: Callable[[Path], RangeImage] = field(repr=False)
+    loader: Callable[[Path], RangeImage | list[RangeImage]] = field(repr=False)
     subject: str = ""
     role: str = ""
     session: str = ""
@@ -601,8 +638,8 @@ class Scan:
     sensor: str = ""
     landmarks: Mapping[str, Float64] = field(default_factory=dict)
 
-    def load(self) -> RangeImage:
-        """Read the capture.
+    def load(self) -> RangeImage | list[RangeImage]:
+        """Read the capture: one image, or the frames of a sequence.
 
         Raises
         ------

@@ -6,7 +6,7 @@ from os import PathLike, fspath
 
 from rangeface.errors import GalleryError
 from rangeface.gallery._memory import MemoryGallery
-from rangeface.gallery._protocol import Consent, Gallery, View, check_fingerprint
+from rangeface.gallery._protocol import Consent, Gallery, View, check_fingerprint, stack
 from rangeface.gallery._sqlite import SqliteGallery
 
 
@@ -54,4 +54,5 @@ __all__ = [
     "View",
     "check_fingerprint",
     "open_gallery",
+    "stack",
 ]

@@ -1,1 +1,13 @@
-"""Face → Alignment."""
+"""Face → Alignment: turn a face frontal, or refuse."""
+
+from rangeface.register import frontal
+from rangeface.register._icp import icp
+from rangeface.register._none import none
+
+#: name → method: Face → Alignment.
+METHODS = {"icp": icp, "none": none}
+
+#: name → resampling: (Face, Alignment) → frontal image.
+FRONTAL = {"resample": frontal.resample}
+
+__all__ = ["FRONTAL", "METHODS", "frontal", "icp", "none"]

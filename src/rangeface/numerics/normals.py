@@ -1,0 +1,369 @@
+r"""Unit normals of organised range data.
+
+Normals are in the camera frame (x right, y down, z forward) and point **towards the
+camera**: of a surface seen head-on the normal is (0, 0, −1). On a grid whose columns run to
+the right and whose rows run down this needs no flipping, because
+
+.. math:: n \propto \frac{\partial p}{\partial v} \times \frac{\partial p}{\partial u}
+
+faces the camera for every surface that the camera can see.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from rangeface.numerics import localfit
+from rangeface.numerics.batches import as_batch
+
+Float32: TypeAlias = NDArray[np.float32]
+
+_FASTMATH = {"contract", "reassoc", "arcp", "nsz"}  # never nnan: NaN marks invalid pixels
+
+
+def from_points(points: ArrayLike) -> Float32:
+    """Normals of organised points, by central differences.
+
+    Parameters
+    ----------
+    points : (…, H, W, 3) array_like
+        Points, any length unit, NaN where invalid.
+
+    Returns
+    -------
+    (…, H, W, 3) float32
+        Unit normals towards the camera; NaN where the point is invalid, or where along one
+        of the two directions neither neighbour is valid.
+
+    Notes
+    -----
+    Beside a hole or an edge of the image the difference is one-sided.
+
+    Examples
+    --------
+    >>> x, y = np.meshgrid(np.arange(3.0), np.arange(3.0))
+    >>> from_points(np.stack([x, y, 5 + x], axis=-1))[1, 1].round(3)
+    array([ 0.707,  0.   , -0.707], dtype=float32)
+    """
+    array = np.ascontiguousarray(points, dtype=np.float32)
+    normals = np.empty_like(array)
+    _from_points(array.reshape(-1, *array.shape[-3:]), normals.reshape(-1, *array.shape[-3:]))
+    return normals
+
+
+def from_depth_orthographic(depth: ArrayLike, pitch: float) -> Float32:
+    """Normals of an orthographic depth image, by central differences.
+
+    Parameters
+    ----------
+    depth : (…, H, W) array_like
+        Depth z, NaN where invalid.
+    pitch : float
+        Edge of a pixel, in the unit of the depth.
+
+    Returns
+    -------
+    (…, H, W, 3) float32
+        As `from_points` gives them for the back-projected points.
+
+    Examples
+    --------
+    >>> from_depth_orthographic([[0, 2, 4], [0, 2, 4]], pitch=2.0)[0, 1].round(3) + 0.0
+    array([ 0.707,  0.   , -0.707], dtype=float32)
+    """
+    batch, leading = as_batch(depth)
+    normals = np.empty((*batch.shape, 3), np.float32)
+    _from_orthographic(batch, np.float32(pitch), normals)
+    return normals.reshape(*leading, *normals.shape[1:])
+
+
+def from_depth_pinhole(depth: ArrayLike, fx: float, fy: float, cx: float, cy: float) -> Float32:
+    """Normals of a pinhole depth image, by central differences of its points.
+
+    Parameters
+    ----------
+    depth : (…, H, W) array_like
+        Depth z, NaN where invalid.
+    fx, fy, cx, cy : float
+        Focal lengths and principal point, px.
+
+    Returns
+    -------
+    (…, H, W, 3) float32
+        As `from_points` gives them for the back-projected points, which are never stored.
+
+    Examples
+    --------
+    >>> from_depth_pinhole(np.full((3, 3), 400.0), 200, 200, 1, 1)[1, 1] + 0.0
+    array([ 0.,  0., -1.], dtype=float32)
+    """
+    batch, leading = as_batch(depth)
+    height, width = batch.shape[1:]
+    # rays of the columns and rows, with one more at either end
+    a = ((np.arange(-1, width + 1) - cx) / fx).astype(np.float32)
+    b = ((np.arange(-1, height + 1) - cy) / fy).astype(np.float32)
+    normals = np.empty((*batch.shape, 3), np.float32)
+    _from_pinhole(batch, a, b, normals)
+    return normals.reshape(*leading, *normals.shape[1:])
+
+
+def fit_orthographic(
+    depth: ArrayLike,
+    pitch: float,
+    *,
+    radius_px: float = 2.0,
+    degree: int = 1,
+    sigma: ArrayLike | None = None,
+) -> Float32:
+    r"""Normals of an orthographic depth image, by a local least-squares fit.
+
+    .. math:: z ≈ c + p x + q y \;(+ \text{quadratic terms}), \quad n ∝ (p, q, -1)
+
+    Parameters
+    ----------
+    depth : (…, H, W) array_like
+        Depth z, NaN where invalid.
+    pitch : float
+        Edge of a pixel, in the unit of the depth.
+    radius_px : float
+        Radius of the window, px, ≥ 1.
+    degree : {1, 2}
+        Plane or quadric.
+    sigma : (…, H, W) array_like, optional
+        Standard deviation of the depth: residuals are weighted by 1/σ².
+
+    Returns
+    -------
+    (…, H, W, 3) float32
+        Unit normals towards the camera, NaN where the window determines none.
+
+    Raises
+    ------
+    ParameterError
+        A parameter of `localfit.fit` is out of range.
+
+    Examples
+    --------
+    >>> tilted = np.add.outer(np.zeros(5), np.arange(5.0))
+    >>> fit_orthographic(tilted, 1.0)[2, 2].round(3)
+    array([ 0.707,  0.   , -0.707], dtype=float32)
+    """
+    fitted = localfit.fit(depth, sigma=sigma, radius_px=radius_px, degree=degree)
+    return from_slopes(fitted[..., 1] / np.float32(pitch), fitted[..., 2] / np.float32(pitch))
+
+
+def fit_pinhole(
+    depth: ArrayLike,
+    fx: float,
+    fy: float,
+    cx: float,
+    cy: float,
+    *,
+    radius_px: float = 2.0,
+    degree: int = 1,
+    sigma: ArrayLike | None = None,
+) -> Float32:
+    r"""Normals of a pinhole depth image, by a local fit to the inverse depth.
+
+    A plane n·p = d has the inverse depth :math:`1/z = (n/d) · (a, b, 1)`, linear in the pixel
+    coordinates :math:`a = (u - c_x)/f_x, b = (v - c_y)/f_y`: the fit is exact on planes.
+
+    Parameters
+    ----------
+    depth : (…, H, W) array_like
+        Depth z > 0, NaN where invalid.
+    fx, fy, cx, cy : float
+        Focal lengths and principal point, px.
+    radius_px, degree, sigma
+        As for `fit_orthographic`.
+
+    Returns
+    -------
+    (…, H, W, 3) float32
+        Unit normals towards the camera, NaN where the window determines none.
+
+    Raises
+    ------
+    ParameterError
+        A parameter of `localfit.fit` is out of range.
+
+    Examples
+    --------
+    >>> fit_pinhole(np.full((5, 5), 400.0), 200, 200, 2, 2)[2, 2].round(6) + 0.0
+    array([ 0.,  0., -1.], dtype=float32)
+    """
+    z = np.asarray(depth, dtype=np.float32)
+    inverse_sigma = None if sigma is None else np.asarray(sigma, np.float32) / (z * z)
+    fitted = localfit.fit(1.0 / z, sigma=inverse_sigma, radius_px=radius_px, degree=degree)
+    w, w_a, w_b = fitted[..., 0], fitted[..., 1] * np.float32(fx), fitted[..., 2] * np.float32(fy)
+    height, width = z.shape[-2:]
+    a = ((np.arange(width) - cx) / fx).astype(np.float32)
+    b = ((np.arange(height) - cy) / fy).astype(np.float32)
+    # n/d = (w_a, w_b, w − a w_a − b w_b); seen from the camera d < 0 along the outward normal
+    normal = -np.stack([w_a, w_b, w - a * w_a - b[:, None] * w_b], axis=-1)
+    return np.asarray(normal / np.linalg.norm(normal, axis=-1, keepdims=True), dtype=np.float32)
+
+
+def from_slopes(p: ArrayLike, q: ArrayLike) -> Float32:
+    """Unit normals (…, 3) towards the camera of slopes p = ∂z/∂x and q = ∂z/∂y."""
+    p, q = np.asarray(p, np.float32), np.asarray(q, np.float32)
+    scale = 1.0 / np.sqrt(1.0 + p * p + q * q)
+    return np.stack([p * scale, q * scale, -scale], axis=-1)
+
+
+def covariance_of_slopes(p: ArrayLike, q: ArrayLike, slopes: ArrayLike) -> Float32:
+    r"""Covariance of the unit normal from that of the slopes, to first order.
+
+    .. math:: Σ_n = J Σ_{pq} J^T, \quad J = ∂n/∂(p, q)
+
+    Parameters
+    ----------
+    p, q : (…) array_like
+        Slopes ∂z/∂x and ∂z/∂y.
+    slopes : (…, 2, 2) array_like
+        Their covariance.
+
+    Returns
+    -------
+    (…, 3, 3) float32
+        Of rank 2: the normal cannot change its length.
+
+    Examples
+    --------
+    >>> covariance_of_slopes(0.0, 0.0, np.diag([0.01, 0.04])).diagonal()
+    array([0.01, 0.04, 0.  ], dtype=float32)
+    """
+    p, q = np.asarray(p, np.float64), np.asarray(q, np.float64)
+    s = np.sqrt(1.0 + p * p + q * q)
+    rows = [[1.0 + q * q, -p * q], [-p * q, 1.0 + p * p], [p, q]]
+    J = np.stack([np.stack(np.broadcast_arrays(*row), axis=-1) for row in rows], axis=-2)
+    J = J / s[..., None, None] ** 3
+    return np.asarray(J @ np.asarray(slopes, np.float64) @ np.swapaxes(J, -1, -2), np.float32)
+
+
+# ── kernels ──────────────────────────────────────────────────────────────────────────────
+
+_kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath=_FASTMATH)
+_inlined = njit(cache=True, nogil=True, error_model="numpy", inline="always")
+
+
+@_inlined
+def _or(value, fallback):  # type: ignore[no-untyped-def]
+    """The value, or the fallback where it is NaN."""
+    return value if value == value else fallback
+
+
+@_inlined
+def _pad(row, padded):  # type: ignore[no-untyped-def]
+    """Copy a row between two NaN, so that the image ends as a hole begins."""
+    padded[0] = np.nan
+    padded[1:-1] = row
+    padded[-1] = np.nan
+
+
+@_inlined
+def _rows(image, v, above, here, below):  # type: ignore[no-untyped-def]
+    """Padded copies of row v and its neighbours; beyond the image they are NaN."""
+    _pad(image[v], here)
+    above[:] = np.nan
+    below[:] = np.nan
+    if v > 0:
+        _pad(image[v - 1], above)
+    if v + 1 < image.shape[0]:
+        _pad(image[v + 1], below)
+
+
+@_inlined
+def _scale(depth, nx, ny, nz):  # type: ignore[no-untyped-def]
+    """Inverse length of a direction; NaN where the depth is NaN."""
+    scale = np.float32(1.0) / np.sqrt(nx * nx + ny * ny + nz * nz)
+    return scale if depth == depth else depth
+
+
+@_inlined
+def _interleave(planes, row):  # type: ignore[no-untyped-def]
+    """Planes (3, W) → row (W, 3): the arithmetic stays contiguous, hence vectorised."""
+    for u in range(row.shape[0]):
+        row[u, 0] = planes[0, u]
+        row[u, 1] = planes[1, u]
+        row[u, 2] = planes[2, u]
+
+
+@_kernel
+def _from_points(points, normals):  # type: ignore[no-untyped-def]
+    n, height, width, _ = points.shape
+    du, dv = np.empty(3, np.float32), np.empty(3, np.float32)
+    for i in range(n):
+        for v in range(height):
+            above, below = max(v - 1, 0), min(v + 1, height - 1)
+            for u in range(width):
+                left, right = max(u - 1, 0), min(u + 1, width - 1)
+                for c in range(3):
+                    p = points[i, v, u, c]
+                    du[c] = _or(points[i, v, right, c], p) - _or(points[i, v, left, c], p)
+                    dv[c] = _or(points[i, below, u, c], p) - _or(points[i, above, u, c], p)
+                nx = dv[1] * du[2] - dv[2] * du[1]
+                ny = dv[2] * du[0] - dv[0] * du[2]
+                nz = dv[0] * du[1] - dv[1] * du[0]
+                scale = _scale(points[i, v, u, 2], nx, ny, nz)
+                normals[i, v, u, 0] = nx * scale
+                normals[i, v, u, 1] = ny * scale
+                normals[i, v, u, 2] = nz * scale
+
+
+@_kernel
+def _from_pinhole(depth, a, b, normals):  # type: ignore[no-untyped-def]
+    n, height, width = depth.shape
+    above, here, below = np.empty((3, width + 2), np.float32)
+    # the row seen from its neighbours, as views that one index walks
+    west, centre, east, north, south = here, here[1:], here[2:], above[1:], below[1:]
+    a_west, a_centre, a_east = a, a[1:], a[2:]
+    planes = np.empty((3, width), np.float32)
+    NX, NY, NZ = planes
+    for i in range(n):
+        for v in range(height):
+            _rows(depth[i], v, above, here, below)
+            b0, b_up, b_down = b[v + 1], b[v], b[v + 2]
+            for u in range(width):
+                z, a0 = centre[u], a_centre[u]
+                # a missing neighbour is replaced by the pixel itself, on its own ray
+                x_west, x_east = _or(west[u] * a_west[u], z * a0), _or(east[u] * a_east[u], z * a0)
+                y_north, y_south = _or(north[u] * b_up, z * b0), _or(south[u] * b_down, z * b0)
+                # ∂p/∂u = (X, b D, D), ∂p/∂v = (a E, Y, E)
+                X, D = x_east - x_west, _or(east[u], z) - _or(west[u], z)
+                Y, E = y_south - y_north, _or(south[u], z) - _or(north[u], z)
+                nx, ny, nz = D * (Y - b0 * E), E * (X - a0 * D), a0 * b0 * D * E - X * Y
+                scale = _scale(z, nx, ny, nz)
+                NX[u], NY[u], NZ[u] = nx * scale, ny * scale, nz * scale
+            _interleave(planes, normals[i, v])
+
+
+@_kernel
+def _from_orthographic(depth, pitch, normals):  # type: ignore[no-untyped-def]
+    n, height, width = depth.shape
+    above, here, below = np.empty((3, width + 2), np.float32)
+    west, centre, east, north, south = here, here[1:], here[2:], above[1:], below[1:]
+    planes = np.empty((3, width), np.float32)
+    NX, NY, NZ = planes
+    zero = np.float32(0.0)
+    for i in range(n):
+        for v in range(height):
+            _rows(depth[i], v, above, here, below)
+            for u in range(width):
+                z = centre[u]
+                # ∂p/∂u = (X, 0, D), ∂p/∂v = (0, Y, E); a missing neighbour adds no length
+                X = (pitch if west[u] == west[u] else zero) + (
+                    pitch if east[u] == east[u] else zero
+                )
+                Y = (pitch if north[u] == north[u] else zero) + (
+                    pitch if south[u] == south[u] else zero
+                )
+                D, E = _or(east[u], z) - _or(west[u], z), _or(south[u], z) - _or(north[u], z)
+                nx, ny, nz = D * Y, E * X, -X * Y
+                scale = _scale(z, nx, ny, nz)
+                NX[u], NY[u], NZ[u] = nx * scale, ny * scale, nz * scale
+            _interleave(planes, normals[i, v])

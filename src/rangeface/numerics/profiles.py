@@ -1,0 +1,291 @@
+"""Curves cut out of a depth image by planes along the optical axis."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from rangeface.errors import ParameterError
+from rangeface.numerics import gaussian
+
+Float32: TypeAlias = NDArray[np.float32]
+Float64: TypeAlias = NDArray[np.float64]
+
+
+def lines(
+    depth: ArrayLike,
+    origin: tuple[float, float],
+    angles: ArrayLike,
+    *,
+    pitch: float,
+    reach: float,
+    points: int,
+    half_width: float = 0.0,
+    smoothing: float = 0.0,
+    arc_length: bool = True,
+    sigma: ArrayLike | None = None,
+) -> Float32:
+    """Depth along straight lines through one point, at equal steps.
+
+    Parameters
+    ----------
+    depth : (H, W) array_like
+        Depth, NaN where invalid.
+    origin : tuple of float
+        Column and row of the point, px.
+    angles : (n,) array_like
+        Directions, rad: 0 to the right, π/2 down.
+    pitch : float
+        Edge of a pixel, in the unit of the depth.
+    reach : float
+        Length on either side of the origin, same unit, > 0.
+    points : int
+        Samples on a line, odd, ≥ 3; the middle one is the origin.
+    half_width : float
+        A sample is the mean, weighted by 1/σ², over a band of this half width, same unit, ≥ 0.
+    smoothing : float
+        σ of a Gaussian along the line, same unit, ≥ 0.
+    arc_length : bool
+        Equal steps along the curve; else along the line in the image plane.
+    sigma : (H, W) array_like, optional
+        Standard deviation of the depth.
+
+    Returns
+    -------
+    (n, points) float32
+        Depth; NaN marks a gap: a hole, or the end of the surface.
+
+    Raises
+    ------
+    ParameterError
+        A parameter is out of range.
+
+    Notes
+    -----
+    The line is read every half pixel. Arc length bridges a gap by its chord, so that what
+    lies behind it keeps its place, but within a gap nothing is interpolated.
+
+    Examples
+    --------
+    A slope of 45° is √2 long per unit of the image plane:
+
+    >>> slope = np.tile(np.arange(9.0), (3, 1))
+    >>> lines(slope, (4, 1), [0.0], pitch=1.0, reach=2 * np.sqrt(2), points=3).round(3)
+    array([[2., 4., 6.]], dtype=float32)
+    """
+    z = np.ascontiguousarray(depth, np.float32)
+    if points < 3 or points % 2 == 0:
+        raise ParameterError(f"points: must be odd and ≥ 3, got {points}")
+    for name, value, least in (
+        ("reach_mm", reach, 1e-9),
+        ("half_width_mm", half_width, 0.0),
+        ("smooth_mm", smoothing, 0.0),
+    ):
+        if not (np.isfinite(value) and value >= least):
+            raise ParameterError(f"{name}: must be {'>' if least else '≥'} 0 mm, got {value}")
+    weights = np.ones_like(z) if sigma is None else 1.0 / np.square(np.asarray(sigma, np.float32))
+    step = 0.5 * pitch
+    count = int(np.ceil(reach / step))
+    band = round(half_width / step)
+    theta = np.atleast_1d(np.asarray(angles, np.float64))
+    sampled = np.empty((len(theta), 2 * count + 1), np.float32)
+    _sample(z, weights, origin[0], origin[1], np.cos(theta), np.sin(theta), count, band, sampled)
+    smoothed = gaussian.smooth(sampled[:, None], smoothing / step)[:, 0]
+    resampled = np.empty((len(theta), points), np.float32)
+    _resample(smoothed, step, reach, arc_length, resampled)
+    return resampled
+
+
+def mirror_line(
+    depth: ArrayLike, origin: tuple[float, float], *, pitch: float, iterations: int = 10
+) -> tuple[float, float]:
+    r"""The line of a frontal depth image about which it is most nearly its own mirror image.
+
+    .. math:: \min_{c, φ, k} \sum_p ρ\bigl(f(p) - f(M p) - 2 k s\bigr) + (k / σ_k)^2, \qquad
+              s = n·p - c, \quad M p = p - 2 s n, \quad n = (\cos φ, \sin φ)
+
+    Parameters
+    ----------
+    depth : (H, W) array_like
+        Depth, mm, NaN where invalid.
+    origin : tuple of float
+        Column and row from which the offset is counted, px: the nose tip.
+    pitch : float
+        Edge of a pixel, mm.
+    iterations : int
+        Gauss–Newton steps.
+
+    Returns
+    -------
+    offset : float
+        c, mm: distance of the line from the origin, to the right.
+    roll : float
+        φ, rad: the line runs along (−sin φ, cos φ).
+
+    Notes
+    -----
+    k takes up what is left of the yaw. A rounded head that is shifted looks like one that is
+    turned, so k is held near 0 (σ_k = 0.03 rad). ρ is Geman and McClure's with a scale of
+    4 mm: hair and holes do not count.
+
+    Examples
+    --------
+    >>> y, x = np.mgrid[-20:21, -15:16] * 2.0
+    >>> face = (x - 3) ** 2 / 160 + y**2 / 300 - 15 * np.exp(-((x - 3) ** 2 + y**2) / 200)
+    >>> round(mirror_line(face, (15, 20), pitch=2.0)[0])
+    3
+    """
+    z = gaussian.smooth(np.asarray(depth, np.float32), 1.0)
+    c, phi, k = 0.0, 0.0, 0.0
+    for _ in range(iterations):
+        A, b = np.zeros((3, 3)), np.zeros(3)
+        _mirror_equations(z, origin[0], origin[1], pitch, c, phi, k, 4.0, A, b)
+        A[2, 2] += 1.0 / 0.03**2
+        b[2] += k / 0.03**2
+        step = np.linalg.solve(A + 1e-6 * np.eye(3), b)
+        c, phi, k = c - step[0], phi - step[1], k - step[2]
+        if abs(step[0]) < 1e-3 and abs(step[1]) < 1e-5:
+            break
+    return float(c), float(phi)
+
+
+def nose_root(profile: ArrayLike, positions: ArrayLike) -> float:
+    """Where a central profile is hollowest above the nose tip: the root of the nose.
+
+    Parameters
+    ----------
+    profile : (n,) array_like
+        Depth along the central line, mm, NaN in gaps.
+    positions : (n,) array_like
+        Height y of the samples, mm, increasing downwards, nose tip at 0.
+
+    Returns
+    -------
+    float
+        y of the sample between 22 and 62 mm above the tip that lies furthest behind the chord
+        of that stretch; −42 mm (a typical face) where fewer than five samples are valid.
+
+    Examples
+    --------
+    >>> y = np.arange(-70.0, 5.0)
+    >>> nose_root(np.abs(y + 40) * -0.5, y)
+    -40.0
+    """
+    z, y = np.asarray(profile, np.float64), np.asarray(positions, np.float64)
+    use = (y <= -22.0) & (y >= -62.0) & np.isfinite(z)
+    if use.sum() < 5:
+        return -42.0
+    z, y = z[use], y[use]
+    chord = z[0] + (z[-1] - z[0]) * (y - y[0]) / (y[-1] - y[0])
+    return float(y[np.argmax(z - chord)])
+
+
+# ── kernels ──────────────────────────────────────────────────────────────────────────────
+
+
+@njit(cache=True, nogil=True)
+def _bilinear(f, u, v):  # type: ignore[no-untyped-def]
+    """Value at column u and row v; NaN where a pixel with weight is invalid or outside."""
+    height, width = f.shape
+    if not (0 <= u <= width - 1 and 0 <= v <= height - 1):
+        return np.nan
+    i, j = min(int(u), max(width - 2, 0)), min(int(v), max(height - 2, 0))
+    s, t = u - i, v - j
+    value = 0.0
+    for dj in range(2):
+        for di in range(2):
+            weight = (s if di else 1.0 - s) * (t if dj else 1.0 - t)
+            if weight > 0.0:
+                value += weight * f[j + dj, i + di]
+    return value
+
+
+@njit(cache=True, nogil=True)
+def _sample(f, w, u0, v0, cosine, sine, count, band, out):  # type: ignore[no-untyped-def]
+    for a in range(cosine.size):
+        for m in range(-count, count + 1):
+            total, certainty = 0.0, 0.0
+            for n in range(-band, band + 1):
+                u = u0 + 0.5 * (m * cosine[a] - n * sine[a])
+                v = v0 + 0.5 * (m * sine[a] + n * cosine[a])
+                value = _bilinear(f, u, v)
+                if value == value:
+                    weight = w[int(v + 0.5), int(u + 0.5)]
+                    if weight == weight:
+                        total += weight * value
+                        certainty += weight
+            out[a, m + count] = total / certainty if certainty > 0 else np.nan
+
+
+@njit(cache=True, nogil=True)
+def _walk(z, step, reach, arc_length, out):  # type: ignore[no-untyped-def]
+    """Resample one half line, z[0] being the origin, at equal distances up to the reach."""
+    k = out.size - 1
+    distance, previous, target = 0.0, 0, 0
+    while target <= k and z[previous] != z[previous] and previous + 1 < z.size:
+        previous += 1  # a gap at the origin: the length across it is that of the plane
+    distance = previous * step
+    while target <= k and target * reach / k < distance - 1e-9:
+        out[target] = np.nan
+        target += 1
+    for m in range(previous, z.size):
+        if z[m] != z[m]:
+            continue
+        run = (m - previous) * step
+        length = np.sqrt(run * run + (z[m] - z[previous]) ** 2) if arc_length else run
+        while target <= k and target * reach / k <= distance + length + 1e-9:
+            part = (target * reach / k - distance) / length if length > 0 else 0.0
+            part = min(max(part, 0.0), 1.0)
+            inside = m - previous <= 1 or part == 0.0 or part == 1.0
+            out[target] = z[previous] + part * (z[m] - z[previous]) if inside else np.nan
+            target += 1
+        distance += length
+        previous = m
+    out[target:] = np.nan
+
+
+@njit(cache=True, nogil=True)
+def _resample(sampled, step, reach, arc_length, out):  # type: ignore[no-untyped-def]
+    middle, k = sampled.shape[1] // 2, out.shape[1] // 2
+    for a in range(len(sampled)):
+        _walk(sampled[a, middle:], step, reach, arc_length, out[a, k:])
+        _walk(sampled[a, middle::-1], step, reach, arc_length, out[a, k::-1])
+
+
+@njit(cache=True, nogil=True)
+def _mirror_equations(f, u0, v0, pitch, c, phi, k, scale, A, b):  # type: ignore[no-untyped-def]
+    """Add the normal equations of (c, φ, k), one residual a pixel right of the line."""
+    height, width = f.shape
+    nx, ny = np.cos(phi), np.sin(phi)
+    gradient = np.empty(3)
+    for v in range(height):
+        for u in range(width):
+            x, y = (u - u0) * pitch, (v - v0) * pitch
+            s = nx * x + ny * y - c
+            if s <= 0.0 or f[v, u] != f[v, u]:
+                continue
+            mu, mv = (x - 2.0 * s * nx) / pitch + u0, (y - 2.0 * s * ny) / pitch + v0
+            i, j = int(np.floor(mu)), int(np.floor(mv))
+            if not (0 <= i < width - 1 and 0 <= j < height - 1):
+                continue
+            f00, f01, f10, f11 = f[j, i], f[j, i + 1], f[j + 1, i], f[j + 1, i + 1]
+            p, q = mu - i, mv - j
+            fx = ((f01 - f00) * (1.0 - q) + (f11 - f10) * q) / pitch
+            fy = ((f10 - f00) * (1.0 - p) + (f11 - f01) * p) / pitch
+            mirrored = f00 + p * (f01 - f00) + q * (f10 - f00) + p * q * (f00 - f01 - f10 + f11)
+            residual = f[v, u] - mirrored - 2.0 * k * s
+            if residual != residual:
+                continue
+            weight = 1.0 / (1.0 + (residual / scale) ** 2) ** 2
+            along = -ny * x + nx * y  # n'·p, which is ∂s/∂φ
+            gradient[0] = -2.0 * (fx * nx + fy * ny) + 2.0 * k
+            gradient[1] = 2.0 * along * (fx * nx + fy * ny) + 2.0 * s * (nx * fy - ny * fx)
+            gradient[1] -= 2.0 * k * along
+            gradient[2] = -2.0 * s
+            for r in range(3):
+                b[r] += weight * gradient[r] * residual
+                for t in range(3):
+                    A[r, t] += weight * gradient[r] * gradient[t]

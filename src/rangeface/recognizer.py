@@ -1,0 +1,321 @@
+"""FaceRecognizer: a fitted pipeline, what its scores mean, and where it comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rangeface import classify, config
+from rangeface.decide import refuse, t_norm, threshold_at_fmr, verify
+from rangeface.errors import DegenerateError, GalleryError, NoFaceError, ParameterError, ScanError, ScanFault
+from rangeface.gallery import Gallery, View, stack
+from rangeface.io.arrays import read_arrays, write_arrays
+from rangeface.pipeline import FacePipeline, Head, Trace
+from rangeface.types import Decision, Float32, RangeImage, Reason, Template
+
+Frames = RangeImage | Sequence[RangeImage]
+
+#: Fewer cohort people than this cannot normalise a score.
+_MIN_COHORT = 10
+
+
+@dataclass(frozen=True, eq=False)
+class FaceRecognizer:
+    """Recognises people: a fitted pipeline, a cohort that gives scores a scale, thresholds.
+
+    Parameters
+    ----------
+    pipeline : FacePipeline
+        Fitted.
+    cohort : View, optional
+        Faces of other people. A raw score is expressed as its distance from the probe's scores
+        against the cohort (test normalisation), so that one threshold serves every probe.
+    nonmated : (k,) float32
+        Normalised scores of different people, from calibration: thresholds are read from them.
+    provenance : mapping
+        What it was learned from, with which versions; JSON.
+    """
+
+    pipeline: FacePipeline
+    cohort: View | None = None
+    nonmated: Float32 = field(default_factory=lambda: np.empty(0, np.float32))
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    # ── learning ─────────────────────────────────────────────────────────────────────────
+
+    @classmethod
+    def fit(
+        cls,
+        pipeline: FacePipeline,
+        images: Sequence[Frames],
+        subjects: Sequence[str],
+        *,
+        provenance: Mapping[str, Any] | None = None,
+    ) -> FaceRecognizer:
+        """Learn a pipeline from images of known people; they become the cohort.
+
+        Parameters
+        ----------
+        pipeline : FacePipeline
+            Not fitted.
+        images : sequence of RangeImage or of sequences of frames
+        subjects : sequence of str
+        provenance : mapping, optional
+            JSON.
+
+        Returns
+        -------
+        FaceRecognizer
+            Not calibrated yet.
+
+        Raises
+        ------
+        NoFaceError
+            No image shows a face. Single failures are left out and counted in `provenance`.
+        ParameterError
+            The numbers of images and subjects differ.
+        """
+        if len(images) != len(subjects):
+            raise ParameterError(f"subjects: {len(subjects)} for {len(images)} images")
+        traces = [pipeline.trace(image) for image in images]
+        return cls.fit_traces(pipeline, traces, subjects, provenance=provenance)
+
+    @classmethod
+    def fit_traces(
+        cls,
+        pipeline: FacePipeline,
+        traces: Sequence[Trace],
+        subjects: Sequence[str],
+        *,
+        provenance: Mapping[str, Any] | None = None,
+    ) -> FaceRecognizer:
+        """Learn from traces that the same (unfitted) pipeline made; else as `fit`."""
+        usable = [(t, s) for t, s in zip(traces, subjects, strict=True) if t.frontal is not None]
+        if not usable:
+            raise NoFaceError(f"none of {len(traces)} training images shows a face")
+        fitted = pipeline.fit_views([pipeline.views(t) for t, _ in usable], [s for _, s in usable])
+        first = {subject: trace for trace, subject in reversed(usable)}
+        cohort = stack(((s, fitted.template(first[s])) for s in sorted(first)), fitted.fingerprint)
+        story = {
+            **(provenance or {}),
+            "people": len(first),
+            "images": len(usable),
+            "failed_to_enrol": len(traces) - len(usable),
+        }
+        return cls(fitted, cohort if len(first) >= _MIN_COHORT else None, provenance=story)
+
+    def calibrate(self, templates: Sequence[Template], subjects: Sequence[str]) -> FaceRecognizer:
+        """Learn what scores different people reach, from people who were not trained on.
+
+        Parameters
+        ----------
+        templates : sequence of Template
+            Of this pipeline; at least two people.
+        subjects : sequence of str
+
+        Returns
+        -------
+        FaceRecognizer
+            With `nonmated` filled.
+
+        Raises
+        ------
+        DegenerateError
+            There is only one person.
+        """
+        references = stack(zip(subjects, templates, strict=True), self.pipeline.fingerprint)
+        scores = np.stack([self.scores(probe, references) for probe in templates])
+        different = np.asarray(subjects)[:, None] != np.asarray(references.subjects)[None, :]
+        if not different.any():
+            raise DegenerateError("calibrate: at least two different people are needed")
+        return replace(self, nonmated=np.sort(scores[different]).astype(np.float32))
+
+    # ── use ──────────────────────────────────────────────────────────────────────────────
+
+    def template(self, image: Frames | Trace, *, augment: bool = False) -> Template:
+        """Make a template; see `FacePipeline.template`."""
+        return self.pipeline.template(image, augment=augment)
+
+    def scores(self, probe: Template, references: View) -> Float32:
+        """Normalised scores (S,) of a probe, one a subject: higher = more alike.
+
+        Parameters
+        ----------
+        probe : Template
+        references : View
+
+        Returns
+        -------
+        (S,) float32
+            Without a cohort, the raw scores.
+        """
+        raw = self.pipeline.similarity(probe, references)
+        if self.cohort is None or len(raw) == 0:
+            return raw
+        others = self.pipeline.similarity(probe, self.cohort)
+        return np.asarray(t_norm(raw[None], others[None])[0], np.float32)
+
+    def threshold(self, fmr: float) -> float:
+        """Score that different people reach with probability `fmr`.
+
+        Parameters
+        ----------
+        fmr : float
+            False match rate of one comparison, at least 3 / number of calibration pairs.
+
+        Returns
+        -------
+        float
+
+        Raises
+        ------
+        ParameterError
+            The recogniser is not calibrated, or too few pairs can show so small a rate.
+        """
+        if self.nonmated.size == 0:
+            raise ParameterError("fmr: this model is not calibrated; run `rangeface calibrate`")
+        return threshold_at_fmr(self.nonmated, fmr)
+
+    def verify(
+        self, image: Frames | Trace, subject: str, gallery: Gallery, *, fmr: float = 0.001
+    ) -> Decision:
+        """Is this the person it claims to be?
+
+        Parameters
+        ----------
+        image : RangeImage, sequence of RangeImage, or Trace
+        subject : str
+            Who it claims to be.
+        gallery : Gallery
+        fmr : float
+            Accepted false match rate of one comparison.
+
+        Returns
+        -------
+        Decision
+
+        Raises
+        ------
+        GalleryError
+            The subject is not enrolled, or the gallery belongs to another model.
+        """
+        threshold = self.threshold(fmr)
+        view = gallery.view()
+        if subject not in view.subjects:
+            raise GalleryError(f"{subject!r} is not enrolled; `rangeface list` shows who is")
+        trace = image if isinstance(image, Trace) else self.pipeline.trace(image)
+        if trace.frontal is None:
+            return refuse(trace.reason or Reason.NO_FACE, threshold=threshold)
+        probe = self.template(trace)
+        score = self.scores(probe, view)[view.subjects.index(subject)]
+        return verify(float(score), subject, probe.assessment, threshold=threshold)
+
+    def identify(self, image: Frames | Trace, gallery: Gallery, *, fmr: float = 0.001) -> Decision:
+        """Who is this, of those who are enrolled?
+
+        Parameters
+        ----------
+        image : RangeImage, sequence of RangeImage, or Trace
+        gallery : Gallery
+        fmr : float
+            Accepted false match rate of one comparison; with N people enrolled a stranger is
+            accepted with about N times this probability.
+
+        Returns
+        -------
+        Decision
+            *unknown* for a stranger, *cannot tell* where the image does not suffice.
+        """
+        threshold = self.threshold(fmr)
+        trace = image if isinstance(image, Trace) else self.pipeline.trace(image)
+        if trace.frontal is None:
+            return refuse(trace.reason or Reason.NO_FACE, threshold=threshold)
+        probe = self.template(trace)
+        view = gallery.view()
+        scores = self.scores(probe, view)
+        return self.pipeline.decide_on(
+            dict(zip(view.subjects, scores.tolist(), strict=True)), probe.assessment, threshold
+        )
+
+    # ── files ────────────────────────────────────────────────────────────────────────────
+
+    def save(self, path: str | Path) -> None:
+        """Write the recogniser to a file: JSON header and raw arrays with hashes, no pickle.
+
+        Parameters
+        ----------
+        path : str or Path
+        """
+        arrays: dict[str, np.ndarray] = {"nonmated": self.nonmated}
+        heads = []
+        for h, head in enumerate(self.pipeline.heads):
+            state = classify.fitted_state(head.classify)
+            arrays |= {f"head{h}.{k}": v for k, v in state.items() if isinstance(v, np.ndarray)}
+            heads.append({k: v for k, v in state.items() if not isinstance(v, np.ndarray)})
+            if self.cohort is not None:
+                arrays[f"cohort{h}"] = self.cohort.vectors[h]
+        meta = {
+            "pipeline": config.to_toml(self.pipeline),
+            "fingerprint": self.pipeline.fingerprint,
+            "heads": heads,
+            "provenance": dict(self.provenance),
+        }
+        write_arrays(Path(path), meta, arrays)
+
+    @classmethod
+    def load(cls, path: str | Path) -> FaceRecognizer:
+        """Read a recogniser that `save` wrote.
+
+        Parameters
+        ----------
+        path : str or Path
+
+        Returns
+        -------
+        FaceRecognizer
+
+        Raises
+        ------
+        ScanError
+            The file is missing, damaged, of another kind, or of another version of the methods.
+        """
+        meta, arrays = read_arrays(Path(path))
+        try:
+            pipeline = config.from_toml(meta["pipeline"])
+            heads = tuple(
+                _restored(head, h, meta["heads"][h], arrays) for h, head in enumerate(pipeline.heads)
+            )
+            pipeline = replace(pipeline, heads=heads)
+            fingerprint, provenance = meta["fingerprint"], meta["provenance"]
+        except (KeyError, IndexError, TypeError, ParameterError) as error:
+            raise ScanError(path, ScanFault.MALFORMED, f"no recogniser ({error})") from error
+        if pipeline.fingerprint != fingerprint:
+            raise ScanError(
+                path, ScanFault.UNSUPPORTED,
+                "the methods' numbers have changed since this model was made; train it again",
+            )  # fmt: skip
+        cohort = _cohort([arrays[f"cohort{h}"] for h in range(len(heads)) if f"cohort{h}" in arrays], fingerprint)
+        return cls(pipeline, cohort, arrays["nonmated"], provenance)
+
+
+def _cohort(vectors: Sequence[Float32], fingerprint: str) -> View | None:
+    """The nameless people of a model file: one row each."""
+    if not vectors:
+        return None
+    templates = (Template(tuple(v[k : k + 1] for v in vectors), fingerprint) for k in range(len(vectors[0])))
+    return stack(((f"cohort {k}", t) for k, t in enumerate(templates)), fingerprint)
+
+
+def _restored(
+    head: Head, number: int, scalars: Mapping[str, Any], arrays: Mapping[str, np.ndarray]
+) -> Head:
+    prefix = f"head{number}."
+    state = {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
+    estimator = classify.restore(
+        type(head.classify), head.classify.get_params(), {**state, **scalars}
+    )
+    return replace(head, classify=estimator)

@@ -1,0 +1,240 @@
+"""Range slices, connected regions, and in each region the pose that looks most like a face."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from rangeface.errors import ParameterError
+from rangeface.io.reference import default_reference
+from rangeface.numerics import icp
+from rangeface.numerics.pose_search import pool, protrusions, rotation_grid
+from rangeface.types import (
+    Face,
+    Faces,
+    Float32,
+    Float64,
+    Mask,
+    RangeImage,
+    Reason,
+    ReferenceFace,
+    RigidTransform,
+)
+
+#: A face covers at least this (mm²) even when turned to a half profile.
+_MIN_AREA_MM2 = 4000.0
+#: Pixels are pooled to about this width before the search: noise falls, a nose stays.
+_SEARCH_PIXEL_MM = 4.0
+_GATES = np.array([30, 25, 20, 20, 15, 15, 12, 12, 10, 10], np.float32)
+_SCALES = np.array([12, 10, 8, 8, 6, 6, 5, 5, 4, 4], np.float32)
+
+
+class _Hypothesis(NamedTuple):
+    score: float
+    rotation: Float64
+    translation: Float64
+
+
+def slices(
+    image: RangeImage,
+    *,
+    reference: ReferenceFace | None = None,
+    radius_mm: float = 140.0,
+    min_gap_mm: float = 60.0,
+    max_yaw_deg: float = 60.0,
+    max_faces: int = 8,
+    min_confidence: float = 0.3,
+) -> Faces:
+    """Find the faces of an image: slice by range, connect, search each region, crop by a sphere.
+
+    The histogram of depth is cut at its valleys; each slice is opened and split into connected
+    regions. In a region, every point that protrudes along some viewing axis is a candidate for
+    the nose tip; candidates × yaw × pitch × roll are scored against the reference face, the
+    best are refined by ICP and scored again. What remains is cropped by a sphere around its
+    nose tip.
+
+    Parameters
+    ----------
+    image : RangeImage
+        Any camera.
+    reference : ReferenceFace, optional
+        Default: the reference that ships with the package.
+    radius_mm : float
+        Radius of the sphere crop, > 0.
+    min_gap_mm : float
+        Slices are cut where the histogram of depth is empty over this length, > 0.
+    max_yaw_deg : float
+        Largest yaw that is searched, 0 … 75.
+    max_faces : int
+        At most this many, the most confident, ≥ 1.
+    min_confidence : float
+        0 … 1: part of the visible reference face that must be explained.
+
+    Returns
+    -------
+    Faces
+        Most confident first; empty with a reason if there is none.
+
+    Raises
+    ------
+    ParameterError
+        A parameter is out of range.
+    """
+    _check(radius_mm, min_gap_mm, max_yaw_deg, max_faces, min_confidence)
+    if not image.mask.any():
+        return Faces(reason=Reason.NO_VALID_PIXELS)
+    reference = default_reference() if reference is None else reference
+    found = [
+        hypothesis
+        for region in regions(image, min_gap_mm)
+        for hypothesis in _search(image.masked(region), reference, max_yaw_deg)
+        if hypothesis.score >= min_confidence
+    ]
+    if not found:
+        return Faces(reason=Reason.NO_FACE)
+    distinct = _distinct(sorted(found, key=lambda h: -h.score), radius_mm)[:max_faces]
+    return Faces([_face(image, reference, h, radius_mm) for h in distinct])
+
+
+def regions(image: RangeImage, min_gap_mm: float) -> list[Mask]:
+    """Connected regions (H, W bool) of the range slices, large enough for a face, nearest first."""
+    depth = image.depth
+    out: list[tuple[float, Mask]] = []
+    for low, high in _valleys(depth[image.mask], min_gap_mm):
+        layer = (depth >= low) & (depth < high)
+        opened = cv2.morphologyEx(layer.astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
+        count, labels = cv2.connectedComponents(opened, connectivity=4)
+        for label in range(1, count):
+            region = labels == label
+            nearest = float(np.median(depth[region]))
+            if region.sum() * image.camera.pixel_mm(nearest) ** 2 >= _MIN_AREA_MM2:
+                out.append((nearest, region))
+    return [region for _, region in sorted(out, key=lambda item: item[0])]
+
+
+def _valleys(depths: Float32, min_gap_mm: float) -> list[tuple[float, float]]:
+    """Intervals of depth between the valleys of its histogram."""
+    bin_mm = min_gap_mm / 4.0
+    low = float(depths.min())
+    counts = np.bincount(((depths - low) / bin_mm).astype(np.int64))
+    occupied = np.flatnonzero(counts > max(2, 1e-3 * len(depths)))
+    if len(occupied) == 0:
+        return [(low, float(depths.max()) + 1.0)]
+    breaks = np.flatnonzero(np.diff(occupied) > 4)
+    starts = occupied[np.r_[0, breaks + 1]]
+    stops = occupied[np.r_[breaks, len(occupied) - 1]] + 1
+    return [(low + bin_mm * a, low + bin_mm * b) for a, b in zip(starts, stops, strict=True)]
+
+
+@lru_cache(maxsize=8)
+def _grid(max_yaw_deg: float) -> Float64:
+    return rotation_grid(
+        np.linspace(-max_yaw_deg, max_yaw_deg, 2 * int(np.ceil(max_yaw_deg / 15.0)) + 1),
+        (-40.0, -20.0, 0.0, 20.0, 40.0),
+        (-25.0, 0.0, 25.0),
+    )
+
+
+def _search(image: RangeImage, reference: ReferenceFace, max_yaw_deg: float) -> list[_Hypothesis]:
+    """Poses of faces in one region, best first: all candidates roughly, the best ones closely."""
+    pixel_mm = image.camera.pixel_mm(float(np.nanmedian(image.depth)))
+    factor = max(int(_SEARCH_PIXEL_MM / pixel_mm), 1)
+    points = pool(image.points, factor)
+    projection = image.camera.projection.pooled(factor)
+    weights = np.ones(points.shape[:2], np.float32)
+    rotations = _grid(max_yaw_deg)
+    tips = _candidates(points, rotations, radius_px=max(round(25.0 / (factor * pixel_mm)), 1))
+    if len(tips) == 0:
+        return []
+    rough, close = icp.Model(*reference.surface(100)), icp.Model(*reference.surface(400))
+
+    R = np.tile(rotations, (len(tips), 1, 1))
+    t = np.repeat(tips, len(rotations), axis=0)
+    grid = icp.scores(rough, R, t, projection, points, tolerance_mm=12.0)
+    starts = _best_per_tip(grid.reshape(len(tips), -1), rotations)
+    R, t = icp.align_many(
+        rough, projection, points, weights, R[starts], t[starts],
+        gates_mm=_GATES[:6], scales_mm=_SCALES[:6],
+    )  # fmt: skip
+    order = np.argsort(-icp.scores(rough, R, t, projection, points, tolerance_mm=9.0))[:20]
+    R, t = icp.align_many(
+        close, projection, points, weights, R[order], t[order],
+        gates_mm=_GATES[4:], scales_mm=_SCALES[4:],
+    )  # fmt: skip
+    fits = icp.scores(close, R, t, projection, points, tolerance_mm=8.0)
+    hypotheses = []
+    for score, R_k, t_k in zip(fits, R, t, strict=True):
+        relief = icp.relief_correlation(close, R_k, t_k, projection, points)
+        hypotheses.append(_Hypothesis(float(score) * max(relief, 0.0), R_k, t_k))
+    return _distinct(sorted(hypotheses, key=lambda h: -h.score), 60.0)
+
+
+def _candidates(points: Float32, rotations: Float64, radius_px: int) -> Float64:
+    """Points (n, 3) that protrude along some axis, thinned to one a cell of 8 mm."""
+    pixels = protrusions(points, rotations, radius_px=radius_px)
+    tips = points[pixels[:, 0], pixels[:, 1]].astype(np.float64)
+    _, first = np.unique(np.floor(tips / 8.0).astype(np.int64), axis=0, return_index=True)
+    return tips[np.sort(first)]
+
+
+def _best_per_tip(grid: Float32, rotations: Float64) -> list[int]:
+    """Flat indices of each tip's best rotation and of its best one at least 30° away."""
+    starts: list[int] = []
+    best = grid.argmax(axis=1)
+    # trace(RᵀQ) = 1 + 2 cos(angle)
+    cosines = 0.5 * (np.einsum("aij,bij->ab", rotations, rotations) - 1.0)
+    for k, first in enumerate(best):
+        others = np.where(cosines[first] < np.cos(np.deg2rad(29.0)), grid[k], -1.0)
+        starts += [k * len(rotations) + int(first), k * len(rotations) + int(others.argmax())]
+    return starts
+
+
+def _distinct(hypotheses: list[_Hypothesis], radius_mm: float) -> list[_Hypothesis]:
+    """Drop every hypothesis whose nose tip is near a better one's; best first."""
+    kept: list[_Hypothesis] = []
+    for h in hypotheses:
+        if all(np.linalg.norm(h.translation - k.translation) > radius_mm for k in kept):
+            kept.append(h)
+    return kept
+
+
+def _face(
+    image: RangeImage, reference: ReferenceFace, hypothesis: _Hypothesis, radius_mm: float
+) -> Face:
+    """Crop by the sphere, and carry the reference's landmarks over by the pose."""
+    tip = hypothesis.translation
+    inside = np.linalg.norm(image.points - tip.astype(np.float32), axis=-1) <= radius_mm
+    rows, cols = np.flatnonzero(inside.any(axis=1)), np.flatnonzero(inside.any(axis=0))
+    crop = image.masked(inside).crop(
+        int(cols[0]), int(rows[0]), int(cols[-1] - cols[0]) + 1, int(rows[-1] - rows[0]) + 1
+    )
+    pose = RigidTransform(hypothesis.rotation, tip, target="camera", source="face")
+    landmarks: Mapping[str, Float64] = {
+        name: pose.apply(point) for name, point in reference.landmarks.items()
+    }
+    return Face(
+        image=crop,
+        nose_tip=tip,
+        landmarks=landmarks,
+        confidence=hypothesis.score,
+        pose=pose.inverse(),
+    )
+
+
+def _check(
+    radius_mm: float, min_gap_mm: float, max_yaw_deg: float, max_faces: int, min_confidence: float
+) -> None:
+    if not radius_mm > 0:
+        raise ParameterError(f"radius_mm must be > 0, got {radius_mm}")
+    if not min_gap_mm > 0:
+        raise ParameterError(f"min_gap_mm must be > 0, got {min_gap_mm}")
+    if not 0 <= max_yaw_deg <= 75:
+        raise ParameterError(f"max_yaw_deg must lie in 0 … 75, got {max_yaw_deg}")
+    if max_faces < 1:
+        raise ParameterError(f"max_faces must be ≥ 1, got {max_faces}")
+    if not 0 <= min_confidence <= 1:
+        raise ParameterError(f"min_confidence must lie in 0 … 1, got {min_confidence}")

@@ -1,0 +1,256 @@
+"""A continuous-wave time-of-flight camera, simulated where its errors arise: in the buckets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter
+
+from rangeface.errors import ParameterError
+from rangeface.numerics import phasor
+from rangeface.sensors import SPEED_OF_LIGHT_MM_S, SensorModel
+from rangeface.simulate._scene import Scene
+from rangeface.types import Camera, Float32, RangeImage
+
+Complex64: TypeAlias = NDArray[np.complex64]
+
+_SHINE_POWER = 400.0  # the lamp's image on a wet eye is a few degrees wide
+_HOLLOW_MM = 20.0  # depth of a hollow that receives the whole second bounce
+
+
+@dataclass(frozen=True, eq=False)
+class Buckets:
+    """What the pixels counted.
+
+    Parameters
+    ----------
+    counts : (f, N, H, W) float32
+        Counts per frequency and phase step.
+    camera : Pinhole or Orthographic
+        Camera of the image.
+    """
+
+    counts: Float32
+    camera: Camera
+
+
+def tof(
+    scene: Scene | Sequence[Scene], sensor: SensorModel, *, rng: np.random.Generator
+) -> RangeImage:
+    r"""Capture of a scene by a phase-shift time-of-flight camera.
+
+    .. math:: I_k = B + A \cos(φ + 2πk/N), \quad φ = 2πd/L, \quad L = c/2f
+
+    with Poisson counts; then φ̂ = arg Σ I_k exp(−2πik/N), as the camera itself computes it.
+
+    Parameters
+    ----------
+    scene : Scene, or sequence of one Scene a bucket
+        The view; a sequence simulates motion between the buckets.
+    sensor : SensorModel
+        With principle "phase".
+    rng : numpy.random.Generator
+        Source of the noise.
+
+    Returns
+    -------
+    RangeImage
+        Depth z (mm), amplitude (counts), sigma (mm, from the measured buckets); NaN where the
+        signal is too weak, saturated, or the pixel is dead.
+
+    Raises
+    ------
+    ParameterError
+        The sensor's principle is not "phase", or the number of scenes fits no bucket count.
+
+    References
+    ----------
+    R. Lange, P. Seitz, IEEE J. Quantum Electron. 37(3), 2001, doi:10.1109/3.910448.
+
+    Examples
+    --------
+    >>> from rangeface import sensors, simulate
+    >>> sensor = sensors.preset("sr3000").ideal()
+    >>> scene = simulate.render(simulate.mean_head(), sensor.camera, simulate.pose())
+    >>> image = tof(scene, sensor, rng=np.random.default_rng(0))
+    >>> error = image.depth - scene.image.depth
+    >>> bool(np.nanmax(np.abs(error)) < 0.01)
+    True
+    """
+    return decode(buckets(scene, sensor, rng=rng), sensor)
+
+
+def buckets(
+    scene: Scene | Sequence[Scene], sensor: SensorModel, *, rng: np.random.Generator
+) -> Buckets:
+    """What the buckets of a time-of-flight camera count; parameters as in `tof`.
+
+    Returns
+    -------
+    Buckets
+        Counts before decoding.
+
+    Raises
+    ------
+    ParameterError
+        As in `tof`.
+    """
+    if sensor.principle != "phase":
+        raise ParameterError(f"sensor: {sensor.name!r} has no buckets ({sensor.principle})")
+    scenes = [scene] if isinstance(scene, Scene) else list(scene)
+    steps = [(f, k) for f in range(len(sensor.frequencies_hz)) for k in range(sensor.phases)]
+    if len(scenes) not in (1, len(steps)):
+        raise ParameterError(f"scene: 1 or {len(steps)} scenes (one a bucket), got {len(scenes)}")
+    camera = scenes[0].camera
+    shape = (len(sensor.frequencies_hz), sensor.phases, camera.height, camera.width)
+    counts = np.empty(shape, np.float32)
+    jitter = sensor.jitter_rad * rng.standard_normal(shape[0])
+    gains = 1.0 + sensor.modulation_error * rng.standard_normal(shape[:2])
+    lights: dict[tuple[int, int], tuple[Complex64, Float32]] = {}
+    for index, (f, k) in enumerate(steps):
+        view = (index if len(scenes) > 1 else 0, f)
+        if view not in lights:
+            lights = {view: _light(scenes[view[0]], sensor, sensor.frequencies_hz[f])}
+        signal, mean = lights[view]
+        shift = 2.0 * np.pi * k / sensor.phases + jitter[f]
+        counts[f, k] = mean + gains[f, k] * _correlation(signal, shift, sensor)
+    return Buckets(_detect(counts, sensor, rng), camera)
+
+
+def decode(captured: Buckets, sensor: SensorModel) -> RangeImage:
+    """Depth, amplitude and σ from bucket counts, as the camera computes them.
+
+    Parameters
+    ----------
+    captured : Buckets
+        Counts.
+    sensor : SensorModel
+        The sensor that captured them.
+
+    Returns
+    -------
+    RangeImage
+        As from `tof`.
+    """
+    counts, camera = captured.counts, captured.camera
+    signal = phasor.decode(counts)
+    amplitude, mean = np.abs(signal).mean(axis=0), counts.mean(axis=(0, 1))
+    radial = phasor.unwrap(np.angle(signal), sensor.ambiguities_mm(), sensor.ambiguity_mm)
+    sigma = sensor.range_sigma(amplitude, mean)
+    weakest = np.maximum(sensor.min_snr * sensor.amplitude_sigma(mean), sensor.min_amplitude)
+    bad = (amplitude <= weakest) | (counts.max(axis=(0, 1)) >= sensor.full_well)
+    bad |= _specimen(sensor, camera.height, camera.width)[2]
+    depth = np.where(bad, np.nan, radial / camera.radial_factor())
+    return RangeImage(
+        depth.astype(np.float32), camera,
+        sigma=np.where(bad, np.nan, sigma / camera.radial_factor()), amplitude=amplitude,
+    )  # fmt: skip
+
+
+def amplitude(scene: Scene, sensor: SensorModel) -> Float32:
+    r"""Amplitude that each sample of a scene returns to the sensor.
+
+    .. math:: A = S \, ρ \, |n_z| \, \left(\frac{1\,\mathrm m}{r}\right)^2 \cos^m α
+
+    with the signal S of a white surface at 1 m, reflectivity ρ, the normal's component n_z on the
+    optical axis, radial range r and the emitter's lobe in the angle α from the axis; eyes and
+    lenses add a mirror-like part.
+
+    Parameters
+    ----------
+    scene : Scene
+        The view.
+    sensor : SensorModel
+        Signal and lobe.
+
+    Returns
+    -------
+    (kH, kW) float32
+        Counts; 0 where nothing is seen.
+    """
+    ray = scene.fine_camera.radial_factor()
+    facing = np.abs(scene.normal[..., 2])
+    shine = np.where(scene.shine > 0, scene.shine * facing**_SHINE_POWER, 0.0)
+    law = (scene.reflectivity * facing + shine) / (scene.depth * ray * 1e-3) ** 2
+    return np.nan_to_num(sensor.signal * law * ray**-sensor.lobe_power).astype(np.float32)
+
+
+def _light(scene: Scene, sensor: SensorModel, frequency_hz: float) -> tuple[Complex64, Float32]:
+    """Complex signal and mean count per pixel, before the electronics."""
+    A = amplitude(scene, sensor)
+    radial = np.nan_to_num(scene.depth) * scene.fine_camera.radial_factor()
+    signal = A * np.exp(4j * np.pi * frequency_hz / SPEED_OF_LIGHT_MM_S * radial)
+    # light inside a pixel adds as phasors: at an edge the mixture lies between the surfaces
+    signal, own = _binned(signal, scene.oversample), _binned(A, scene.oversample) / sensor.contrast
+    ambient = sensor.background * _binned(scene.reflectivity, scene.oversample)
+    signal = signal + sensor.multipath * signal.mean()
+    if sensor.bounce:
+        signal = signal + sensor.bounce * _second_bounce(scene, signal, frequency_hz)
+    if sensor.scattering:
+        spread = sensor.scattering_px
+        blurred = gaussian_filter(signal, spread, mode="constant")
+        signal = signal + sensor.scattering * (blurred - signal)
+        own = own + sensor.scattering * (gaussian_filter(own, spread, mode="constant") - own)
+    lens = scene.camera.radial_factor() ** -sensor.vignetting
+    offset_mm, gain, _ = _specimen(sensor, *signal.shape)
+    turn = np.exp(4j * np.pi * frequency_hz / SPEED_OF_LIGHT_MM_S * offset_mm)
+    mean = lens * gain * (own + ambient) + sensor.dark
+    return (lens * gain * signal * turn).astype(np.complex64), mean.astype(np.float32)
+
+
+def _binned(plane: NDArray, k: int) -> NDArray:  # type: ignore[type-arg]
+    if k == 1:
+        return plane
+    return plane.reshape(plane.shape[0] // k, k, plane.shape[1] // k, k).mean(axis=(1, 3))
+
+
+def _second_bounce(scene: Scene, signal: Complex64, frequency_hz: float) -> Complex64:
+    # a pixel deeper than its surroundings sees them, and their light has gone further
+    depth = np.nan_to_num(scene.image.depth)
+    seen = (depth > 0).astype(np.float64)
+    share = np.maximum(gaussian_filter(seen, 6.0), 1e-6)
+    around = gaussian_filter(depth, 6.0) / share
+    hollow = np.clip((depth - around) / _HOLLOW_MM, 0.0, 1.0) * seen
+    extra = np.exp(2j * np.pi * frequency_hz / SPEED_OF_LIGHT_MM_S * 2.0 * _HOLLOW_MM)
+    return np.asarray(hollow * extra * gaussian_filter(signal, 6.0) / share)
+
+
+def _correlation(signal: Complex64, shift: float, sensor: SensorModel) -> Float32:
+    strength, angle = np.abs(signal), np.angle(signal) + shift
+    wave = np.cos(angle)
+    for order, part in ((3, sensor.third_harmonic), (5, sensor.fifth_harmonic)):
+        if part:
+            wave += part * np.cos(order * angle)
+    return strength * wave
+
+
+def _detect(counts: Float32, sensor: SensorModel, rng: np.random.Generator) -> Float32:
+    """Photons to numbers: shot noise, compression, saturation, read noise, converter."""
+    counts = np.maximum(counts, 0.0)
+    if sensor.shot_noise:
+        noisy = phasor.poisson(counts, rng=rng)
+        counts = counts + np.sqrt(sensor.shot_noise) * (noisy - counts)
+    if sensor.compression:
+        counts = counts * (1.0 - sensor.compression * np.minimum(counts / sensor.full_well, 1.0))
+    counts = np.minimum(counts, sensor.full_well)
+    if sensor.read_noise:
+        counts = counts + sensor.read_noise * rng.standard_normal(counts.shape, np.float32)
+    if step := sensor.converter_step:
+        counts = np.clip(np.round(counts / step) * step, 0.0, sensor.full_well)
+    return np.asarray(counts, np.float32)
+
+
+@lru_cache(maxsize=8)
+def _specimen(
+    sensor: SensorModel, height: int, width: int
+) -> tuple[Float32, Float32, NDArray[np.bool_]]:
+    """Offset (mm), gain and dead pixels of one specimen: always the same for its number."""
+    rng = np.random.default_rng([sensor.device, height, width])
+    offset = sensor.fixed_pattern_mm * rng.standard_normal((height, width), np.float32)
+    gain = 1.0 + sensor.gain_pattern * rng.standard_normal((height, width), np.float32)
+    return offset, np.maximum(gain, 0.0), rng.random((height, width)) < sensor.dead_pixels
