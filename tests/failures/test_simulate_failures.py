@@ -224,3 +224,18 @@ def test_a_camera_without_focal_length(focal):
     camera = sensors.preset("sr3000").camera
     with pytest.raises(ParameterError, match="fx"):
         SensorModel("bad", "a test", replace(camera, fx=focal))
+
+
+@pytest.mark.parametrize(
+    ("options", "name"),
+    [
+        ({"views": ["backwards"]}, "views"),
+        ({"distance_mm": 0.0}, "distance_mm"),
+        ({"unrest_deg": -1.0}, "unrest_deg"),
+        ({"workers": 0}, "workers"),
+        ({"seed": -1}, "seed"),
+    ],
+)
+def test_a_collection_is_refused_before_its_first_capture(options, name):
+    with pytest.raises(ParameterError, match=name):
+        simulate.collection([0], sensors.preset("sr3000"), **options)

@@ -166,12 +166,12 @@ def _skull(theta: Field, level: Field, vault: Field) -> Field:
     forward = np.cos(theta) > 0
     # midline of the face without nose and lips: depth behind the nose tip
     midline = spline(
-        level, (-62, 22), (-41, 25), (-22, 26), (-2, 20.5), (16, 15.6), (34, 15.8), (50, 19.0),
+        level, (-62, 22), (-41, 25), (-22, 27.5), (-2, 24.0), (14, 17.4), (34, 15.8), (50, 19.0),
         (66, 20.5), (78, 25), (92, 31),
     )  # fmt: skip
-    side = spline(level, (-62, 73.5), (-35, 71), (0, 69), (25, 65.5), (50, 60), (70, 53), (88, 47))
+    side = spline(level, (-62, 73.5), (-35, 72), (0, 70), (25, 66.5), (50, 60), (70, 53), (88, 47))
     back = curve(level, (-70, 92), (-20, 90), (30, 76), (80, 62))
-    power = spline(level, (-110, 2.1), (-60, 2.2), (-15, 2.35), (30, 2.15), (60, 2.1), (85, 2.1))
+    power = spline(level, (-110, 2.1), (-60, 2.35), (-15, 2.55), (30, 2.3), (60, 2.2), (85, 2.1))
     head = vault * _superellipse(theta, side, np.where(forward, AXIS_Z_MM - midline, back), power)
     return head + (_neck(theta, level) - head) * _below_jaw(theta, level)
 
@@ -180,17 +180,9 @@ def _below_jaw(theta: Field, level: Field) -> Field:
     # border of the mandible: gnathion, gonion, ear lobe, then the nape
     away = np.degrees(np.abs(theta))
     border = curve(
-        away,
-        (0, 83),
-        (14, 82),
-        (32, 73),
-        (50, 60),
-        (62, 48),
-        (76, 33),
-        (92, 22),
-        (130, 25),
+        away, (0, 83), (14, 82), (32, 73), (50, 60), (62, 48), (76, 33), (92, 22), (130, 25),
         (180, 30),
-    )
+    )  # fmt: skip
     softness = curve(away, (0, 8.5), (40, 8.5), (62, 12), (95, 20), (130, 32), (180, 36))
     return ramp((level - border) / softness, -1.0, 1.0)
 
@@ -216,13 +208,13 @@ def _nose(x: Field, y: Field) -> Field:
     # height of the ridge above the midline: sellion, bridge, tip (protrusion 19 mm), base
     ridge = spline(
         y + 0.2 * np.abs(x) * ramp(y, -12.0, 4.0),  # the base rises towards the wings
-        (-56, 0), (-46, 0.9), (-41, 2.2), (-32, 7.2), (-22, 12.6), (-12, 17.2), (-5, 20.0),
-        (-1, 20.4), (3, 18.8), (6.5, 13.8), (9.5, 6.6), (12.5, 1.8), (15.5, 0.2), (18, 0),
+        (-56, 0), (-46, 0.9), (-41, 2.2), (-32, 7.6), (-22, 13.6), (-12, 19.2), (-5, 22.8),
+        (-1, 23.9), (3, 23.0), (6, 19.8), (8.5, 13.0), (11, 5.2), (13.5, 1.4), (16, 0.2), (18, 0),
     )  # fmt: skip
-    half = curve(y, (-45, 8.4), (-30, 8.6), (-15, 9.2), (-3, 8.8), (5, 8.3), (12, 7.5))
-    blunt = curve(y, (-40, 1.9), (-20, 1.9), (-3, 2.1), (12, 2.2))
+    half = spline(y, (-45, 8.4), (-30, 10.4), (-18, 12.6), (-5, 11.2), (6, 9.8), (13, 8.5))
+    blunt = curve(y, (-40, 1.9), (-20, 2.2), (-3, 2.2), (12, 2.2))
     bridge = ridge * np.exp(-((np.abs(x) / half) ** blunt))
-    wings = 8.6 * _gauss(x, y, 12.6, 2.2, 3.8, 4.9) + 1.8 * _gauss(x, y, 14.0, -3.0, 6.0, 10.0)
+    wings = 10.2 * _gauss(x, y, 12.8, 2.6, 3.7, 4.6) + 1.8 * _gauss(x, y, 14.0, -3.0, 6.0, 10.0)
     nostrils = 3.6 * _gauss(x, y, 6.4, 10.4, 3.0, 2.0) + 1.4 * _gauss(x, y, 20.5, 6.0, 2.6, 6.0)
     return bridge + wings - nostrils
 
@@ -255,7 +247,7 @@ def _cheeks(x: Field, y: Field) -> Field:
     hollow = 1.6 * _gauss(x, y, 46.0, 30.0, 12.0, 14.0)
     fold = 1.5 * _gauss(np.abs(x) - 0.45 * (y - 8), y, 21.5, 18.0, 3.0, 12.0)
     chin = 4.2 * _gauss(x, y, 0.0, 63.0, 13.5, 8.5) + 1.2 * _gauss(x, y, 9.0, 66.0, 7.0, 6.0)
-    temple = 2.2 * _gauss(x, y, 59.0, -62.0, 10.0, 16.0)
+    temple = 1.0 * _gauss(x, y, 59.0, -62.0, 10.0, 16.0)
     return bone + apple + chin - hollow - fold - temple
 
 
