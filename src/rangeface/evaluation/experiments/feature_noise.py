@@ -232,9 +232,11 @@ def interval(
     table = D.reshape(people, per_person, people)
     found = []
     for _ in range(draws):
-        drawn = rng.integers(0, people, people)
+        drawn = rng.choice(people, people)
         sample = table[drawn][:, :, drawn]
         same = np.broadcast_to((drawn[:, None] == drawn)[:, None], sample.shape)
+        if same.all():
+            continue  # one person only: nobody to be told from
         within, between = sample[same], sample[~same]
         spread = np.sqrt(0.5 * (within.var() + between.var()))
         found.append((between.mean() - within.mean()) / max(spread, 1e-12))
