@@ -41,7 +41,7 @@ def test_figures_refuse_what_is_not_frontal(tmp_path):
 
 @pytest.mark.slow
 def test_feature_noise_runs(tmp_path):
-    result = feature_noise.run(people=4, probes=1)
+    result = feature_noise.run(people=4, probes=1, pitches_mm=(2.8,))
     assert {c["feature"] for c in result["cells"]} == set(feature_noise.ARMS)
     assert all(np.isfinite(c["d_prime"]) for c in result["cells"])
     assert feature_noise.draw(result, tmp_path / "noise.png").stat().st_size > 10_000
