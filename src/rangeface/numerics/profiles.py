@@ -93,6 +93,8 @@ def lines(
     line[:, :2], line[:, 2], line[:, 3] = origin, np.cos(angles), np.sin(angles)
     sampled = np.empty((len(line), 2 * count + 1), np.float32)
     spread = z if sigma is None else np.ascontiguousarray(sigma, np.float32)
+    if sigma is not None and (spread <= 0).any():
+        raise ParameterError("sigma: must be > 0 mm everywhere")
     _sample(z, spread, sigma is not None, line, band, sampled)
     smoothed = gaussian.smooth(sampled[:, None], smoothing / step)[:, 0]
     resampled = np.empty((len(line), points), np.float32)
