@@ -184,10 +184,12 @@ def read_frames(
 
 
 def _unpacked(source: Source) -> Source:
-    """The source itself, or what its gzip holds."""
-    if source.data[:2] != b"\x1f\x8b":
-        return source
-    return replace(source, data=source.inflate([source.data], 31))
+    """The source, its gzip opened and its byte order mark taken off."""
+    if source.data[:2] == b"\x1f\x8b":
+        source = replace(source, data=source.inflate([source.data], 31))
+    if source.data[:3] == b"\xef\xbb\xbf":
+        source = replace(source, data=source.data[3:])
+    return source
 
 
 def _seen(

@@ -1,8 +1,10 @@
 """MCAP recordings of depth images: ROS 2 (CDR) and ROS 1 messages.
 
-sensor_msgs/Image in 16UC1 or mono16 is depth in mm, in 32FC1 metres (REP 118); the intrinsics
-come from a sensor_msgs/CameraInfo of the same size. A torn recording is read up to the tear.
-Chunks in Zstandard or LZ4 need the extra ``mcap`` and are expanded in a process of their own.
+sensor_msgs/Image in 16UC1 or mono16 is depth in mm, in 32FC1 metres (REP 118); a
+sensor_msgs/CompressedImage is read where its format says 16UC1 and compressedDepth (twelve
+bytes, then a PNG). The intrinsics come from a sensor_msgs/CameraInfo of the same size. A torn
+recording is read up to the tear. Chunks in Zstandard or LZ4 need the extra ``mcap`` and are
+expanded in a process of their own.
 """
 
 from __future__ import annotations
@@ -10,14 +12,15 @@ from __future__ import annotations
 import struct
 import subprocess
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rangeface.errors import ParameterError, ScanFault
+from rangeface.io import png16
 from rangeface.io._source import Source
 from rangeface.io.camera_toml import depth_image
 from rangeface.types import Pinhole, RangeImage
@@ -59,7 +62,7 @@ def frames(source: Source) -> Iterator[RangeImage]:
     for channel, message in _messages(source):
         try:
             if channel.kind == "CameraInfo":
-                camera = _camera_info(source, _Cursor(message, channel.ros1))
+                camera = _camera_info(_Cursor(message, channel.ros1))
                 if camera is not None:
                     cameras.setdefault((camera.width, camera.height), camera)
                     ready = [w for w in waiting if w[0].shape == (camera.height, camera.width)]
@@ -67,7 +70,7 @@ def frames(source: Source) -> Iterator[RangeImage]:
                     for raw, unit in ready:
                         yield depth_image(source, raw, unit=unit, camera=camera)
                 continue
-            found = _image(source, _Cursor(message, channel.ros1))
+            found = _READERS[channel.kind](source, _Cursor(message, channel.ros1))
         except _TornError:
             raise source.error(ScanFault.TRUNCATED, f"a message of {channel.topic}") from None
         if found is None:
@@ -97,7 +100,7 @@ def _messages(source: Source) -> Iterator[tuple[_Channel, memoryview]]:
                 number, schema = cursor.number("H"), cursor.number("H")
                 name = schemas.get(schema, "").rsplit("/", 1)[-1]
                 topic, encoding = cursor.text(), cursor.text()
-                if name in ("Image", "CameraInfo") and encoding in ("cdr", "ros1"):
+                if name in _READERS and encoding in ("cdr", "ros1"):
                     channels[number] = _Channel(name, topic, encoding == "ros1")
             elif kind == _MESSAGE:
                 channel = channels.get(cursor.number("H"))
@@ -202,6 +205,16 @@ class _Cursor:
         return self.data[self.at :]
 
 
+def _compressed(source: Source, cursor: _Cursor) -> tuple[NDArray[np.generic], str] | None:
+    """Pixels and unit of a compressed 16-bit depth image, None where it is none."""
+    cursor.header()
+    words = cursor.text()
+    data = cursor.skip(cursor.number("I"))
+    if not ("compressedDepth" in words and "16UC1" in words):
+        return None
+    return png16.pixels(replace(source, data=bytes(data[12:]))), "mm"
+
+
 def _image(source: Source, cursor: _Cursor) -> tuple[NDArray[np.generic], str] | None:
     """Pixels and unit of an Image, None where it is no depth image."""
     cursor.header()
@@ -224,7 +237,7 @@ def _image(source: Source, cursor: _Cursor) -> tuple[NDArray[np.generic], str] |
     return rows.astype(dtype.newbyteorder("=")), unit
 
 
-def _camera_info(source: Source, cursor: _Cursor) -> Pinhole | None:
+def _camera_info(cursor: _Cursor) -> Pinhole | None:
     """Intrinsics of a CameraInfo; None where it is not calibrated."""
     cursor.header()
     height, width = cursor.number("I"), cursor.number("I")
@@ -236,6 +249,12 @@ def _camera_info(source: Source, cursor: _Cursor) -> Pinhole | None:
     except ParameterError:
         return None
 
+
+_READERS: dict[str, Callable[[Source, _Cursor], tuple[NDArray[np.generic], str] | None]] = {
+    "Image": _image,
+    "CompressedImage": _compressed,
+    "CameraInfo": lambda source, cursor: None,
+}
 
 # ── writing ──────────────────────────────────────────────────────────────────────────────
 

@@ -167,15 +167,15 @@ class _Parser:
 
     def list(self, owner: _Node, name: str, depth: int) -> None:
         """What stands in brackets: numbers, or nodes and texts."""
-        end = self.source.data.find(b"]", self.at)
+        data = self.source.data
+        end = data.find(b"]", self.at)
         if end < 0:
             raise self.source.error(ScanFault.TRUNCATED, f"list {name} has no end")
-        count = (end - self.at) // 2 + 1
-        values, stop = numbers(
-            self.text[:end], self.at, min(count, 6 * self.source.limits.max_points), commas=True
-        )
-        if stop >= end:
-            self.at = end + 1
+        values, stop = self.numbers_until(end)
+        if stop > end and data[stop : stop + 1] != b"]":  # that bracket stood in a comment
+            values, stop = self.numbers_until(len(data))
+        if data[stop : stop + 1] == b"]":
+            self.at = stop + 1
             owner.values.setdefault(name, values)
             return
         if len(values):
@@ -185,6 +185,11 @@ class _Parser:
             raise self.source.error(ScanFault.TOO_LARGE, "lists nested too deeply")
         while (token := self.need(f"list {name}"))["mark"] != b"]":
             self.item(owner, token, name, depth + 1)
+
+    def numbers_until(self, end: int) -> tuple[NDArray[np.float64], int]:
+        """As many numbers as can stand before an offset."""
+        most = min((end - self.at) // 2 + 1, 6 * self.source.limits.max_points)
+        return numbers(self.text, self.at, most, commas=True)
 
     def prototype(self, word: bytes, depth: int) -> None:
         """Pass over the definition of a node type."""
