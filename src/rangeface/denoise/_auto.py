@@ -60,6 +60,6 @@ def auto(image: RangeImage) -> RangeImage:
     box = (np.ptp(rows) + 1) * (np.ptp(cols) + 1)
     if len(rows) < _SPARSE * box:
         return normalized_convolution(image, sigma_px=1.0, fill=False)
-    pixel_mm = image.camera.pixel_mm(float(np.nanmedian(image.depth)))
+    pixel_mm = image.camera.pixel_mm(float(np.nanmean(image.depth)))
     levels = int(np.clip(np.round(np.log2(_COARSEST_MM / pixel_mm)), 1, 6))
     return dtcwt(image, shrinkage="wiener", levels=levels)

@@ -87,6 +87,7 @@ def dtcwt(
         parts=2,
         magnitudes=quads.magnitudes,
         soft=quads.soft,
+        wiener=quads.wiener,
         scale=quads.scale,
     )
     return _wavelet.denoise(image, transform, rules)

@@ -79,6 +79,7 @@ def dwt(
         parts=1,
         magnitudes=_magnitudes,
         soft=bands.soft,
+        wiener=bands.wiener,
         scale=_scale,
     )
     return _wavelet.denoise(image, transform, rules)

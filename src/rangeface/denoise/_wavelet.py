@@ -12,7 +12,7 @@ from rangeface.denoise import _check
 from rangeface.denoise._noise import sigma_map
 from rangeface.errors import ParameterError
 from rangeface.numerics import holes, shrinkage
-from rangeface.types import Float32, RangeImage
+from rangeface.types import Float32, Mask, RangeImage
 
 Rule: TypeAlias = Literal["soft", "bayes", "bivariate", "wiener"]
 Bands: TypeAlias = tuple[Float32, Float32, Float32]
@@ -30,7 +30,7 @@ class Coefficients(Protocol):
 
 
 class Transform(NamedTuple):
-    """A transform, and how the coefficients lie in its sub-bands.
+    r"""A transform, and how the coefficients lie in its sub-bands.
 
     Parameters
     ----------
@@ -46,6 +46,10 @@ class Transform(NamedTuple):
         Sub-band → the magnitudes of the coefficients, one image an orientation.
     soft : callable
         (sub-band, threshold image) → mean squared gain; shrinks in place.
+    wiener : callable
+        (sub-band, the pilot's, σ image) → mean squared gain; shrinks in place by
+
+        .. math:: g = \frac{|x|^2}{|x|^2 + p\, σ^2}
     scale : callable
         (sub-band, one gain image an orientation); scales in place.
     """
@@ -57,6 +61,7 @@ class Transform(NamedTuple):
     parts: int
     magnitudes: Callable[[Float32], tuple[Float32, ...]]
     soft: Callable[[Float32, Float32], float]
+    wiener: Callable[[Float32, Float32, Float32], float]
     scale: Callable[..., None]
 
 
@@ -82,15 +87,24 @@ def denoise(image: RangeImage, transform: Transform, rules: Rules) -> RangeImage
     """Shrink an image's coefficients; its holes are closed smoothly and opened again after."""
     if not image.mask.any():
         return image
-    level = np.float32(np.nanmedian(image.depth))
-    plane = holes.extended(image.depth - level, image.mask)
+    level = np.float32(np.nanmean(image.depth))
     sigma = sigma_map(image)
     if not rules.per_pixel_sigma:
         sigma = np.full(image.shape, np.median(sigma[image.mask]), dtype=np.float32)
-    out, left = _shrunk(plane, sigma, transform, rules)
-    depth = np.where(image.mask, out + level, np.float32(np.nan))
+    box = _box(image.mask)
+    valid = image.mask[box]
+    plane = holes.extended(image.depth[box] - level, valid)
+    out, left = _shrunk(plane, np.ascontiguousarray(sigma[box]), transform, rules)
+    depth = image.depth.copy()
+    depth[box] = np.where(valid, out + level, np.float32(np.nan))
     after = None if image.sigma is None else image.sigma * np.float32(np.sqrt(left))
     return image.with_depth(depth, sigma=after)
+
+
+def _box(mask: Mask) -> tuple[slice, slice]:
+    """Smallest window that holds all valid pixels."""
+    rows, cols = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(cols[0]), int(cols[-1]) + 1)
 
 
 def _shrunk(
@@ -119,7 +133,10 @@ def _shrunk(
     if rules.threshold_mm is None and rules.shrinkage == "wiener":
         for _ in range(_WIENER_PASSES):
             pilot, bands = transform.analyse(out), transform.analyse(plane)
-            kept = _wiener(bands.details, pilot.details, noise, transform)
+            kept = [
+                [transform.wiener(*band) for band in zip(*level, strict=True)]
+                for level in zip(bands.details, pilot.details, noise, strict=True)
+            ]
             out = transform.synthesise(bands)
     # white noise of a dyadic transform: 3/4 of what came in stays in each level's details
     shares = 0.25 ** np.arange(len(kept))
@@ -170,19 +187,6 @@ def _bivariate(
                 # the coarser level lies transposed to this one, with lh and hl exchanged
                 parent = None if parents is None else _spread(parents[(1, 0, 2)[b]][o], m)
                 gains.append(shrinkage.bivariate_gain(m, parent, transform.parts, _WINDOW_PX))
-            kept.append(_scaled(band, gains, transform))
-    return np.reshape(kept, (-1, 3)).tolist()
-
-
-def _wiener(
-    details: list[Bands], pilot: list[Bands], noise: list[list[Float32]], transform: Transform
-) -> list[list[float]]:
-    """Wiener's gain, with the pilot's coefficients in the place of the unknown signal."""
-    kept = []
-    for detail, clean, at in zip(details, pilot, noise, strict=True):
-        for band, signal, s in zip(detail, clean, at, strict=True):
-            sizes = [_relative(m, s) for m in transform.magnitudes(signal)]
-            gains = [shrinkage.wiener_gain(m, transform.parts) for m in sizes]
             kept.append(_scaled(band, gains, transform))
     return np.reshape(kept, (-1, 3)).tolist()
 

@@ -90,35 +90,5 @@ def bivariate_gain(magnitude: Image, parent: Image | None, parts: int, window_px
     return np.maximum(0.0, 1.0 - np.sqrt(3.0, dtype=np.float32) / _floor(signal * pair))
 
 
-def wiener_gain(signal: Image, parts: int) -> Image:
-    r"""Wiener's gain, where the signal is known from a pilot estimate.
-
-    .. math:: g = \frac{|x|^2}{|x|^2 + p\, σ_n^2}
-
-    Parameters
-    ----------
-    signal : (H, W) float32
-        |x| of the normalised coefficients of the pilot.
-    parts : int
-        p: 1 for real, 2 for complex coefficients.
-
-    Returns
-    -------
-    (H, W) float32
-        0 … 1.
-
-    References
-    ----------
-    S. P. Ghael, A. M. Sayeed, R. G. Baraniuk, Proc. SPIE 3169, 1997, doi:10.1117/12.292799.
-
-    Examples
-    --------
-    >>> wiener_gain(np.float32([[0.0, 1.0, 3.0]]), 1)
-    array([[0. , 0.5, 0.9]], dtype=float32)
-    """
-    energy = signal * signal
-    return energy / (energy + np.float32(parts))
-
-
 def _floor(values: Image) -> Image:
     return np.maximum(values, np.float32(1e-12))

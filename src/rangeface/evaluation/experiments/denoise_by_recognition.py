@@ -11,22 +11,23 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from rangeface import classify, denoise, describe, register
 from rangeface.numerics.se3 import rotation_matrix
-from rangeface.numerics.statistics import wilson
+from rangeface.numerics.statistics import bootstrap_over_groups, wilson
 from rangeface.pipeline import Step, step
 from rangeface.simulate import head, mean_head, render
 from rangeface.types import (
     Alignment,
     Face,
     Float32,
+    Float64,
     Pinhole,
     PointSet,
     RangeImage,
@@ -36,6 +37,8 @@ from rangeface.types import (
 
 REVISION = 1
 
+# σ that a clean scan states: every scan of a sensor has one, and normals weigh by it
+_QUIET_MM = 0.01
 # one grey level of the paper's images: 14 cm on 255 levels
 _GREY_MM = 140.0 / 255.0
 _PAPER = {"48 dB": 1, "42 dB": 2, "38 dB": 3, "34 dB": 5}
@@ -49,6 +52,8 @@ class Noise(NamedTuple):
 
 
 LEVELS = {
+    "crop clean": Noise("crop", _QUIET_MM),
+    "scan clean": Noise("scan", _QUIET_MM),
     **{f"crop {name}": Noise("crop", n * _GREY_MM) for name, n in _PAPER.items()},
     **{f"scan {name}": Noise("scan", n * _GREY_MM) for name, n in _PAPER.items()},
     **{f"tof {mm} mm": Noise("tof", float(mm)) for mm in (1, 2, 4, 8)},
@@ -101,7 +106,8 @@ _TRAINING = _ROLES[:2]
 _CAMERA = Pinhole(200.0, 200.0, 87.5, 71.5, 176, 144)
 _DISTANCE_MM = 400.0
 
-Surfaces = Callable[[int, str, np.random.Generator], PointSet]
+Done: TypeAlias = dict[tuple[str, str, str], Mapping[str, Any]]
+Surfaces: TypeAlias = Callable[[int, str, np.random.Generator], PointSet]
 
 
 # ── populations ──────────────────────────────────────────────────────────────────────────
@@ -169,7 +175,8 @@ def _capture(surfaces: Surfaces, person: int, number: int) -> Capture:
     # light falls off with the square of the distance and the cosine of incidence
     cosine = np.clip(-scene.normal[..., 2], 0.05, 1.0)
     amplitude = np.nan_to_num(cosine * (_DISTANCE_MM / scene.depth) ** 2)
-    scan = RangeImage(scene.depth, _CAMERA, amplitude=amplitude)
+    quiet = np.full(scene.depth.shape, _QUIET_MM)
+    scan = RangeImage(scene.depth, _CAMERA, sigma=quiet, amplitude=amplitude)
     # a registration is wrong by about a degree and a millimetre
     slip = rotation_matrix(np.deg2rad(rng.normal(0.0, 0.8, 3)))
     T = T_camera_face.inverse()
@@ -221,6 +228,16 @@ class Run(NamedTuple):
     folder: Path
 
 
+def path_of(run: Run, level: str, denoiser: str) -> Path:
+    """Where a cell is kept: a name that changes with everything that it depends on."""
+    method = DENOISERS[denoiser]
+    people = [run.people.start, run.people.stop]
+    revision = getattr(method.method, "revision", 1)
+    what = [REVISION, people, level, LEVELS[level], repr(method), revision]
+    key = hashlib.sha256(json.dumps(what).encode()).hexdigest()[:16]
+    return run.folder / f"{run.population}-{key}.json"
+
+
 def cell(run: Run, level: str, denoiser: str) -> dict[str, Any]:
     """One cell: computed, or read where it was kept.
 
@@ -230,13 +247,10 @@ def cell(run: Run, level: str, denoiser: str) -> dict[str, Any]:
         "hits": feature → classifier → training ("clean", "matched") → one "0" or "1" a probe;
         "gain_db": PSNR gain over the noisy image (crop only).
     """
-    noise, method = LEVELS[level], DENOISERS[denoiser]
-    what = [REVISION, run.population, [run.people.start, run.people.stop], level, repr(method)]
-    key = hashlib.sha256(json.dumps(what).encode()).hexdigest()[:16]
-    path = run.folder / f"{run.population}-{key}.json"
+    path = path_of(run, level, denoiser)
     if path.exists():
         return json.loads(path.read_text())
-    answer = _cell(run, noise, method) | {
+    answer = _cell(run, LEVELS[level], DENOISERS[denoiser]) | {
         "population": run.population,
         "level": level,
         "denoiser": denoiser,
@@ -265,7 +279,8 @@ def _cell(run: Run, noise: Noise, method: Step) -> dict[str, Any]:
                 "clean": _hits(clean, G, train, P, probes),
                 "matched": _hits(matched, matched.transform(X), train, P, probes),
             }
-    return {"hits": hits, "gain_db": _gain_db(run, noise, method) if noise.site == "crop" else None}
+    noisy_crop = noise.site == "crop" and noise.sigma_mm > _QUIET_MM
+    return {"hits": hits, "gain_db": _gain_db(run, noise, method) if noisy_crop else None}
 
 
 def _observed(run: Run, noise: Noise, method: Step) -> dict[str, list[RangeImage]]:
@@ -313,27 +328,6 @@ def _gain_db(run: Run, noise: Noise, method: Step) -> float:
 # ── the question ─────────────────────────────────────────────────────────────────────────
 
 
-def cells(run: Run) -> Iterator[tuple[str, str]]:
-    """All cells, the ones that decide first."""
-    for denoiser in DENOISERS:
-        for level in LEVELS:
-            yield level, denoiser
-
-
-def paired(first: str, second: str) -> tuple[float, float, float]:
-    """Difference of two rates over the same probes, in points, with its 95 % interval.
-
-    Agresti and Min's adjustment of the Wald interval, doi:10.1002/sim.1781.
-    """
-    a, b = (np.frombuffer(hits.encode(), np.uint8) == ord("1") for hits in (first, second))
-    n = len(a) + 2.0
-    gained, lost = np.sum(a & ~b) + 0.5, np.sum(b & ~a) + 0.5
-    middle = (gained - lost) / n
-    half = 1.96 * np.sqrt((gained + lost) / n - middle**2) / np.sqrt(n)
-    exact = float(np.mean(a) - np.mean(b))
-    return 100.0 * exact, float(100.0 * (middle - half)), float(100.0 * (middle + half))
-
-
 def run(
     *,
     seed: int = 0,
@@ -341,62 +335,66 @@ def run(
     minutes: float = 45.0,
     folder: str | Path = "denoise_by_recognition",
     ict_facekit: str | Path | None = None,
+    denoisers: Sequence[str] = tuple(DENOISERS),
 ) -> dict[str, Any]:
     """Run what is missing, within the time, and sum up.
 
     Parameters
     ----------
     seed : int
-        First person's number; runs with seeds 1000 apart share nobody.
+        The people are numbers 1000 · seed and up: seeds share nobody.
     people : int
-        How many; two probes each.
+        How many, ≤ 1000; two probes each.
     minutes : float
         After this no new cell is begun.
     folder : path
         Where the cells are kept.
     ict_facekit : path, optional
         The npz of ICT-FaceKit; without it only our own population is used.
+    denoisers : sequence of str
+        Which of `DENOISERS`, in the order of the run.
 
     Returns
     -------
     dict
-        "cells" (rates with intervals), "auto_minus_none" (paired), "missing".
+        "cells": rates with intervals; "auto_minus_none": paired differences in points, pooled
+        over classifiers and trainings, per population, level and feature; "missing": how many
+        cells are still to be computed.
     """
     populations: dict[str, Surfaces] = {"own": own_heads()}
     if ict_facekit is not None:
         populations = {"ict": ict_heads(Path(ict_facekit)), **populations}
     end = time.monotonic() + 60.0 * minutes
-    done: dict[tuple[str, str, str], Mapping[str, Any]] = {}
-    missing = 0
-    for name, surfaces in populations.items():
-        this = Run(name, surfaces, range(1000 * seed, 1000 * seed + people), Path(folder))
-        for level, denoiser in cells(this):
-            if time.monotonic() > end:
-                missing += 1
-                continue
+    numbers = range(1000 * seed, 1000 * seed + people)
+    done: Done = {}
+    wanted = [(p, level, d) for p in populations for d in denoisers for level in LEVELS]
+    for name, level, denoiser in wanted:
+        this = Run(name, populations[name], numbers, Path(folder))
+        if time.monotonic() < end or path_of(this, level, denoiser).exists():
             done[name, level, denoiser] = cell(this, level, denoiser)
     return {
         "people": people,
         "seed": seed,
-        "missing": missing,
+        "missing": len(wanted) - len(done),
         "cells": [_summary(*key, content) for key, content in done.items()],
-        "auto_minus_none": list(_differences(done)),
+        "auto_minus_none": list(differences(done)),
     }
-
-
-def _combinations(hits: Mapping[str, Any]) -> Iterator[tuple[str, str, str, str]]:
-    for feature, by_classifier in hits.items():
-        for classifier, by_training in by_classifier.items():
-            for training, string in by_training.items():
-                yield feature, classifier, training, string
 
 
 def _summary(
     population: str, level: str, denoiser: str, content: Mapping[str, Any]
 ) -> dict[str, Any]:
     rates = [
-        [f, c, t, s.count("1") / len(s), *wilson(s.count("1"), len(s))]
-        for f, c, t, s in _combinations(content["hits"])
+        [
+            feature,
+            classifier,
+            training,
+            hits.count("1") / len(hits),
+            *wilson(hits.count("1"), len(hits)),
+        ]
+        for feature, by_classifier in content["hits"].items()
+        for classifier, by_training in by_classifier.items()
+        for training, hits in by_training.items()
     ]
     return {
         "population": population,
@@ -407,10 +405,28 @@ def _summary(
     }
 
 
-def _differences(done: Mapping[tuple[str, str, str], Mapping[str, Any]]) -> Iterator[list[Any]]:
+def differences(done: Done, first: str = "auto", second: str = "none") -> Iterator[list[Any]]:
+    """Rate of one denoiser minus that of another, in points, with its 95 % interval.
+
+    Per population, level and feature; a person's mean over probes, classifiers and trainings is
+    one observation, and people are resampled.
+    """
     for (population, level, denoiser), content in done.items():
-        if denoiser != "auto":
+        if denoiser != first or (population, level, second) not in done:
             continue
-        base = done[population, level, "none"]["hits"]
-        for f, c, t, string in _combinations(content["hits"]):
-            yield [population, level, f, c, t, *paired(string, base[f][c][t])]
+        base = done[population, level, second]["hits"]
+        for feature, hits in content["hits"].items():
+            gain = 100.0 * (_by_person(hits) - _by_person(base[feature]))
+            interval = bootstrap_over_groups(
+                lambda people, gain=gain: float(np.mean(gain[people])),
+                np.arange(len(gain)),
+                rng=np.random.default_rng(0),
+            )
+            yield [population, level, feature, float(gain.mean()), *interval]
+
+
+def _by_person(hits: Mapping[str, Mapping[str, str]]) -> Float64:
+    strings = [string for by_training in hits.values() for string in by_training.values()]
+    right = np.array([[digit == "1" for digit in string] for string in strings], dtype=np.float64)
+    # probes run through all people once per role
+    return right.reshape(len(strings), len(_ROLES) - len(_TRAINING), -1).mean(axis=(0, 1))
