@@ -13,6 +13,7 @@ import zlib
 import numpy as np
 
 from rangeface.io import mcap, png16
+from rangeface.io._mcap_writer import encode
 from rangeface.types import Pinhole, RangeImage
 
 CAMERA = Pinhole(fx=180.0, fy=182.0, cx=12.3, cy=14.6, width=26, height=30)
@@ -484,7 +485,7 @@ def vap():
 def recording():
     z = np.where(depth() > 0, depth(), np.nan)
     frames = [RangeImage(z + k, CAMERA) for k in range(3)]
-    return {"r.mcap": mcap.encode(frames)}
+    return {"r.mcap": encode(frames)}
 
 
 def recording_chunked(packing=""):

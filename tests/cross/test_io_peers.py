@@ -105,8 +105,9 @@ def test_we_read_the_mcap_librarys_recording(tmp_path):
     writer = pytest.importorskip("mcap.writer")
     pytest.importorskip("zstandard")
     from rangeface.io import mcap
+    from rangeface.io._mcap_writer import encode
 
-    plain = mcap.encode([RangeImage(np.full((3, 4), 700.0), Pinhole(5, 5, 1.5, 1, 4, 3))] * 3)
+    plain = encode([RangeImage(np.full((3, 4), 700.0), Pinhole(5, 5, 1.5, 1, 4, 3))] * 3)
     source = Source(tmp_path / "plain", plain)
     with (tmp_path / "z.mcap").open("wb") as stream:  # chunks in zstd, as is its default
         out = writer.Writer(stream)
