@@ -169,7 +169,7 @@ def read_frames(
     ScanError
         As in `read_scan`; a recording without a depth image has no valid pixels.
     """
-    source = Source.open(path, limits, camera, unit)
+    source = _unpacked(Source.open(path, limits, camera, unit))
     if not mcap.recognise(source):
         yield read_scan(path, camera=camera, unit=unit, limits=limits)
         return
@@ -192,6 +192,7 @@ def _unpacked(source: Source) -> Source:
         source = replace(source, data=source.inflate([source.data], 31))
     if source.data[:3] == b"\xef\xbb\xbf":
         source = replace(source, data=source.data[3:])
+    source.need(0, 1, "a scan")
     return source
 
 

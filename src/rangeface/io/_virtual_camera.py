@@ -132,12 +132,11 @@ def _draw_mesh(
             ScanFault.TOO_LARGE, f"the triangles cover {area:.3g} px, the limit is {most:.3g}"
         )
     perspective = isinstance(camera, Pinhole)
+    scale = (camera.fx, camera.fy) if isinstance(camera, Pinhole) else (1 / camera.pitch_mm,) * 2
     depth, _, _ = rasterise(
         points,
         triangles,
-        focal_px=(camera.fx, camera.fy)
-        if isinstance(camera, Pinhole)
-        else (1 / camera.pitch_mm, 1 / camera.pitch_mm),
+        focal_px=scale,
         centre_px=(camera.cx, camera.cy),
         size_px=(camera.width, camera.height),
         perspective=perspective,

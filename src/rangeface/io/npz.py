@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rangeface.errors import ParameterError, ScanFault
+from rangeface.io._cloud import source_unit_mm
 from rangeface.io._source import Source
 from rangeface.io.camera_toml import depth_image
 from rangeface.types import Camera, Orthographic, Pinhole, RangeImage
@@ -60,8 +61,7 @@ def parse(source: Source) -> RangeImage:
 
 
 def _signed_depth(source: Source, depth: NDArray[np.generic], unit: str) -> NDArray[np.float64]:
-    from rangeface.io._cloud import source_unit_mm
-
+    """Depth of an orthographic image, mm, which may be negative; NaN where invalid."""
     out = depth.astype(np.float64) * source_unit_mm(source, unit)
     out[~(np.abs(out) <= 1e6)] = np.nan
     return out
