@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rangeface import classify, denoise, describe, register
 from rangeface.numerics.se3 import rotation_matrix
@@ -417,12 +418,15 @@ def differences(done: Done, first: str = "auto", second: str = "none") -> Iterat
         base = done[population, level, second]["hits"]
         for feature, hits in content["hits"].items():
             gain = 100.0 * (_by_person(hits) - _by_person(base[feature]))
-            interval = bootstrap_over_groups(
-                lambda people, gain=gain: float(np.mean(gain[people])),
-                np.arange(len(gain)),
-                rng=np.random.default_rng(0),
-            )
-            yield [population, level, feature, float(gain.mean()), *interval]
+            yield [population, level, feature, float(gain.mean()), *_interval(gain)]
+
+
+def _interval(gain: Float64) -> tuple[float, float]:
+    def mean(people: NDArray[np.intp]) -> float:
+        return float(np.mean(gain[people]))
+
+    low, high = bootstrap_over_groups(mean, np.arange(len(gain)), rng=np.random.default_rng(0))
+    return low, high
 
 
 def _by_person(hits: Mapping[str, Mapping[str, str]]) -> Float64:
