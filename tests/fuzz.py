@@ -123,7 +123,8 @@ def read(path: Path, number: int) -> str:
         assert not np.isinf(image.depth).any()
         assert np.isfinite(image.points[image.mask]).all()
     except ScanError as fault:
-        assert "\n" not in str(fault)
+        if "\n" in str(fault):
+            raise
         return fault.fault.name.lower()
     return "read"
 

@@ -467,7 +467,8 @@ def swissranger(titles=("Calibrated Distance", "Calibrated xVector", "Calibrated
     v, u = np.mgrid[:rows, :columns].astype(float)
     z = 0.4 + 0.05 * ((u - 88) / 88) ** 2 + 0.03 * ((v - 72) / 72) ** 2
     planes = {"dist": z, "xvec": (u - 87.5) / 200 * z, "yvec": (v - 71.5) / 200 * z,
-              "ampl": 2000 * np.exp(-(((u - 88) / 80) ** 2)), "conf": np.full_like(z, 255)}  # fmt: skip
+              "ampl": 2000 * np.exp(-(((u - 88) / 80) ** 2)),
+              "conf": np.full_like(z, 255)}  # fmt: skip
     out = []
     for title in titles:
         plane = next(p for key, p in planes.items() if key in title.lower().replace(" ", ""))

@@ -1,6 +1,6 @@
 """Makes data/lbp_scikit_image.npz: codes of scikit-image 0.26 on integer images.
 
-    python tests/cross/make_lbp_golden.py      (needs scikit-image; the tests do not)
+python tests/cross/make_lbp_golden.py      (needs scikit-image; the tests do not)
 """
 
 from pathlib import Path

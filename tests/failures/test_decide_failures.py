@@ -6,6 +6,7 @@ import pytest
 from rangeface.decide import (
     LlrFusion,
     decide_sequence,
+    linear_llr,
     majority_vote,
     open_set,
     per_subject,
@@ -77,6 +78,16 @@ def test_weighted_sum():
     for shape in ((3,), (2, 2), ()):
         with pytest.raises(ParameterError, match="does not fit"):
             weighted_sum(TABLE, weights=np.ones(shape))
+
+
+def test_linear_llr():
+    good = {"weights": (1, 1), "centres": (0, 0), "scales": (1, 1), "bias": 0.0}
+    for bad in ({"weights": (1,)}, {"centres": (0, 0, 0)}, {"scales": 1.0}):
+        with pytest.raises(ParameterError, match="one for each of 2 heads"):
+            linear_llr(TABLE, **{**good, **bad})
+    for bad in ({"scales": (1, 0)}, {"bias": np.nan}, {"weights": (1, np.inf)}):
+        with pytest.raises(ParameterError, match="finite, scales > 0"):
+            linear_llr(TABLE, **{**good, **bad})
 
 
 def test_llr_fusion():

@@ -61,6 +61,8 @@ BAD = [
     ("horizontal_profile", {"at": "ear"}, "at"),
     ("radial_curves", {"curves": 7}, "curves"),
     ("radial_curves", {"points": 0}, "points"),
+    ("dtcwt", {"levels": ()}, "levels"),
+    ("dtcwt", {"levels": (0,)}, "levels"),
     ("gabor", {"scales": 0}, "scales"),
     ("gabor", {"orientations": 17}, "orientations"),
     ("hog", {"cell_px": 1}, "cell_px"),

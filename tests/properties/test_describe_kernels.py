@@ -61,7 +61,9 @@ def test_unwrapped_angle_has_no_jumps_of_two_pi():
     wrapped = describe.normal_angle(image, unwrapped=False)
     smooth = describe.normal_angle(image)
     assert np.abs(np.diff(smooth, axis=1)).max() < 1.0
-    np.testing.assert_allclose(phase.wrap(smooth - wrapped), 0.0, atol=0.05)
+    turned = phase.wrap(smooth - wrapped - (smooth - wrapped)[20, 15])
+    np.testing.assert_allclose(turned, 0.0, atol=0.05)
+    assert abs(smooth.mean()) < 0.1
 
 
 def test_smoothing_follows_the_definition():
@@ -86,16 +88,6 @@ def test_histograms_count_only_what_is_valid():
     found = histograms.regional(labels, valid, count=3, regions=(1, 2)).reshape(2, 3)
     np.testing.assert_allclose(found[0], [2 / 3, 1 / 3, 0], atol=1e-6)
     np.testing.assert_allclose(found[1], found[0])  # an empty region: the whole face
-
-
-def test_chi_square_and_intersection_bounds():
-    h = np.random.default_rng(0).random((6, 10))
-    h /= h.sum(axis=1, keepdims=True)
-    chi = histograms.chi_square(h, h)
-    np.testing.assert_allclose(chi, chi.T)
-    assert np.all(chi.diagonal() == 0)
-    assert chi.max() <= 2.0
-    np.testing.assert_allclose(histograms.intersection(h, h).diagonal(), 1.0)
 
 
 def test_hog_is_blind_to_the_sign_and_size_of_a_gradient():

@@ -151,9 +151,8 @@ def test_truedepth_takes_the_callers_camera(tmp_path):
 
 def test_landmarks_and_poses(tmp_path):
     path = tmp_path / "bs000_N_N_0.lm3"
-    path.write_text(
-        "# 2 landmarks\r\n\r\n2 landmarks:\r\nNose tip\r\n1.5 -2.5 30\r\nChin middle\r\n0 -60 10.25\r\n"
-    )
+    rows = ["# made by a test", "", "2 landmarks:", "Nose tip", "1.5 -2.5 30", "Chin middle"]
+    path.write_text("\r\n".join([*rows, "0 -60 10.25", ""]))
     marks = io.read_landmarks(path)
     assert marks["nose_tip"].tolist() == [1.5, 2.5, -30.0]
     assert marks["chin_middle"].tolist() == [0.0, 60.0, -10.25]

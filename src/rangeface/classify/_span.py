@@ -92,8 +92,8 @@ def span(X: Array, *, dtype: type = np.float64) -> Span:
 def gram_span(gram: Array) -> tuple[Array, Array, Array]:
     """Coordinates Z with K = Z Zᵀ, the samples that carry the basis, and their factor L.
 
-    K is the Gram matrix of centred samples. Row p of L is the coordinates of basis sample p, so any sample x with products k = ⟨x, basis⟩
-    has the coordinates L⁻¹k.
+    K is the Gram matrix of centred samples. Row p of L is the coordinates of basis sample p, so
+    any sample x with products k = ⟨x, basis⟩ has the coordinates L⁻¹k.
     """
     pstrf = lapack.spstrf if gram.dtype == np.float32 else lapack.dpstrf
     tolerance = ROUNDING * np.finfo(gram.dtype).eps * gram.diagonal().max()

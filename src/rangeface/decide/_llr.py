@@ -115,14 +115,15 @@ class LlrFusion(ClassifierMixin, BaseEstimator):
         likelier = (self.decision_function(X) > 0).astype(int)
         return self.classes_[likelier]
 
-    def fuse(self, scores: ArrayLike) -> Array:
-        """Log-likelihood ratios (…) of stacked tables of scores (H, …), NaN where missing.
-
-        A pair without any score stays NaN.
-        """
-        stack = np.asarray(scores, dtype=np.float64)
-        fused = self.decision_function(stack.reshape(len(stack), -1).T)
-        return np.where(np.isnan(stack).all(axis=0), np.nan, fused.reshape(stack.shape[1:]))
+    def parameters(self) -> dict[str, Any]:
+        """What `linear_llr` needs, as plain numbers that a configuration can hold."""
+        check_is_fitted(self)
+        return {
+            "weights": tuple(self.weights_.tolist()),
+            "centres": tuple(self.centre_.tolist()),
+            "scales": tuple(self.scale_.tolist()),
+            "bias": self.bias_,
+        }
 
     def _pairs(self, X: ArrayLike, y: ArrayLike) -> tuple[Array, NDArray[np.bool_]]:
         try:

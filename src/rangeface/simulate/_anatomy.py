@@ -93,7 +93,7 @@ def mean_anatomy() -> Anatomy:
     front = 1.0 - ramp(np.abs(theta), np.radians(58), np.radians(84))
     above = _hairline(theta) - level
     relief = front * (_nose(x, level) + _eyes(x, level) + _mouth(x, level) + _cheeks(x, level))
-    outward = _ear(theta, level) + 7.0 * ramp(above, -1.0, 16.0)
+    outward = _ear(theta, level) + 7.0 * ramp(above, -2.0, 22.0)
     sideways, upwards = outward * vault, outward * np.sqrt(1.0 - vault**2)
     points = np.stack(
         [x + sideways * np.sin(theta), level - upwards, z - relief - sideways * np.cos(theta)],
@@ -191,7 +191,7 @@ def _below_jaw(theta: Field, level: Field) -> Field:
         (130, 25),
         (180, 30),
     )
-    softness = curve(away, (0, 7), (40, 7), (62, 12), (95, 20), (130, 32), (180, 36))
+    softness = curve(away, (0, 8.5), (40, 8.5), (62, 12), (95, 20), (130, 32), (180, 36))
     return ramp((level - border) / softness, -1.0, 1.0)
 
 
@@ -216,7 +216,8 @@ def _nose(x: Field, y: Field) -> Field:
     # height of the ridge above the midline: sellion, bridge, tip, columella. The alar crease
     # lies 28 mm behind the tip: ala length (ac–prn) 33.5 mm, half the alar width 17.5 mm
     ridge = spline(
-        y, (-58, 0), (-46, 3.0), (-41, 5.2), (-32, 10.6), (-22, 17.4), (-12, 23.6), (-5, 27.0),
+        y + 0.2 * np.abs(x) * ramp(y, -12.0, 4.0),  # the base rises towards the wings
+        (-58, 0), (-46, 3.0), (-41, 5.2), (-32, 10.6), (-22, 17.4), (-12, 23.6), (-5, 27.0),
         (-1, 27.8), (3, 26.6), (6, 23.6), (9, 17.0), (12, 9.0), (15, 3.0), (18, 0.6), (22, 0),
     )  # fmt: skip
     half = curve(y, (-45, 8.0), (-30, 8.8), (-16, 11.0), (-8, 12.0), (0, 12.6), (8, 11.5), (14, 9))
@@ -228,12 +229,12 @@ def _nose(x: Field, y: Field) -> Field:
 
 
 def _eyes(x: Field, y: Field) -> Field:
-    brow = 3.0 * _gauss(x, y + 0.1 * (np.abs(x) - 28), 26.0, -57.0, 15.0, 5.0)
+    brow = 2.3 * _gauss(x, y + 0.1 * (np.abs(x) - 28), 26.0, -57.0, 15.0, 5.0)
     glabella = 1.8 * _gauss(x, y, 0.0, -57.0, 13.0, 7.0)
-    socket = 5.4 * _gauss(x, y, 30.0, -39.0, 13.0, 7.0) + 7.4 * _gauss(x, y, 16.8, -37.5, 5.2, 6.0)
-    ball = 5.6 * _gauss(x, y, 31.5, -36.6, 8.6, 5.2)
+    socket = 5.2 * _gauss(x, y, 30.0, -39.0, 13.0, 7.0) + 7.4 * _gauss(x, y, 16.8, -37.5, 5.2, 6.0)
+    ball = 7.0 * _gauss(x, y, 31.5, -36.4, 8.8, 5.6)
     almond = np.clip(1.0 - ((np.abs(x) - 31.5) / 15.5) ** 2, 0.0, 1.0)
-    slit = 1.2 * almond**0.3 * np.exp(-0.5 * ((np.abs(y + 37.0) - 5.6 * almond) / 1.4) ** 2)
+    slit = 1.5 * almond**0.3 * np.exp(-0.5 * ((np.abs(y + 37.0) - 5.6 * almond) / 1.4) ** 2)
     bag = 1.0 * _gauss(x, y, 30.0, -25.0, 12.0, 3.0)
     return brow + glabella + ball - socket - slit - bag
 
@@ -241,8 +242,8 @@ def _eyes(x: Field, y: Field) -> Field:
 def _mouth(x: Field, y: Field) -> Field:
     across = np.clip(1.0 - (x / 26.0) ** 2, 0.0, 1.0)
     seam = 31.6 + 0.8 * np.exp(-((x / 5) ** 2)) + 0.0009 * x**2
-    upper = 3.6 * across**0.7 * np.exp(-0.5 * ((y - seam + 4.6) / 2.9) ** 2)
-    lower = 4.2 * across**0.8 * np.exp(-0.5 * ((y - seam - 5.6) / 3.3) ** 2)
+    upper = 4.2 * across**0.8 * np.exp(-0.5 * ((y - seam + 4.6) / 2.9) ** 2)
+    lower = 5.0 * across**0.9 * np.exp(-0.5 * ((y - seam - 5.6) / 3.3) ** 2)
     line = 2.2 * across**0.5 * np.exp(-0.5 * ((y - seam) / 1.3) ** 2)
     corner = 1.8 * _gauss(x, y, 26.0, 33.0, 3.4, 3.6)
     philtrum = 0.9 * _gauss(x, y, 0.0, 19.5, 2.6, 4.5) - 0.5 * _gauss(x, y, 5.2, 20.0, 2.2, 5.0)

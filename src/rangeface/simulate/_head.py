@@ -29,7 +29,7 @@ REFLECTIVITY: Mapping[Tissue, float] = MappingProxyType(
 SHINE = np.array([{Tissue.EYE: 0.6}.get(t, 0.0) for t in Tissue], np.float32)
 
 # root mean square (mm) and shortest and longest wavelength (mm) of the individual relief
-RELIEF = ((0.9, 45.0, 110.0), (0.3, 14.0, 45.0))
+RELIEF = ((0.6, 45.0, 110.0), (0.15, 14.0, 45.0))
 
 # where the landmarks of the mean head lie in the frontal view, mm
 _LANDMARKS = {
