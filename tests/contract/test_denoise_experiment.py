@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 from rangeface.evaluation.experiments import denoise_by_recognition as experiment
-from rangeface.evaluation.experiments import figures_denoise
+from rangeface.evaluation.experiments import (
+    denoise_report,
+    figures_denoise,
+    noisy_captures,
+)
 
 
 @pytest.fixture
@@ -47,10 +51,17 @@ def test_the_difference_is_paired_by_person():
 
 
 def test_every_person_and_capture_is_reproducible():
-    surfaces = experiment.own_heads()
-    first, second = (experiment._capture(surfaces, 5, 3) for _ in range(2))
+    first, second = (noisy_captures.taken(noisy_captures.own_heads(), 5, 3) for _ in range(2))
     np.testing.assert_array_equal(first.scan.depth, second.scan.depth)
     np.testing.assert_array_equal(first.frontal.depth, second.frontal.depth)
+
+
+def test_the_report_has_a_row_a_cell_and_a_picture(two_levels, tmp_path):
+    result = experiment.run(people=2, folder=tmp_path, denoisers=("none", "auto"))
+    table = denoise_report.table(result, population="own", training="clean")
+    assert len(table.splitlines()) == 2 + 4
+    path = denoise_report.draw(result, tmp_path / "picture.png", population="own")
+    assert path.stat().st_size > 10_000
 
 
 def test_figures_10_and_12_are_drawn(tmp_path):
