@@ -25,7 +25,8 @@ def stages() -> Iterator[tuple[str, str, Arms]]:
     """Yield (stage, size, {arm: callable}); peers that are not installed are left out."""
     for size, shape in SIZES.items():
         images = [scene(shape, seed) for seed in range(FRAMES)]
-        planes = [image.depth - np.float32(500.0) for image in images]
+        holed = [image.depth - np.float32(500.0) for image in images]
+        planes = [np.nan_to_num(plane) for plane in holed]
         yield (
             "DT-CWT denoise",
             size,
@@ -40,8 +41,8 @@ def stages() -> Iterator[tuple[str, str, Arms]]:
             "normalized convolution",
             size,
             {
-                "ours": _rotating(_normalized, planes),
-                "OpenCV, two blurs": _rotating(_two_blurs, planes),
+                "ours": _rotating(_normalized, holed),
+                "OpenCV, two blurs": _rotating(_two_blurs, holed),
             },
         )
         for name, method in _variants().items():
@@ -95,12 +96,8 @@ def _variants() -> dict[str, Callable[[RangeImage], RangeImage]]:
 # ── arms: the same work on a plane without holes ─────────────────────────────────────────
 
 
-def _finite(plane: np.ndarray) -> np.ndarray:
-    return np.nan_to_num(plane)
-
-
 def _dual_tree(plane: np.ndarray) -> np.ndarray:
-    bands = trees.analyse(_finite(plane), LEVELS, "near_sym_a", "qshift_a")
+    bands = trees.analyse(plane, LEVELS, "near_sym_a", "qshift_a")
     for detail in bands.details:
         for band in detail:
             shape = band.shape[0] // 2, band.shape[1] // 2
@@ -120,7 +117,7 @@ def _dtcwt_library(planes: list[np.ndarray]) -> Arms:
     transform = dtcwt.Transform2d(biort="near_sym_a", qshift="qshift_a")
 
     def run(plane: np.ndarray) -> np.ndarray:
-        pyramid = transform.forward(_finite(plane), nlevels=LEVELS)
+        pyramid = transform.forward(plane, nlevels=LEVELS)
         for w in pyramid.highpasses:
             magnitude = np.abs(w)
             w *= np.maximum(magnitude - T, 0.0) / np.maximum(magnitude, 1e-30)
@@ -130,7 +127,7 @@ def _dtcwt_library(planes: list[np.ndarray]) -> Arms:
 
 
 def _wavelets(plane: np.ndarray) -> np.ndarray:
-    bands = dwt.forward(_finite(plane), wavelet="db4", levels=LEVELS)
+    bands = dwt.forward(plane, wavelet="db4", levels=LEVELS)
     for detail in bands.details:
         for band in detail:
             dwt.soft(band, np.full(band.shape, T, dtype=np.float32))
@@ -138,7 +135,7 @@ def _wavelets(plane: np.ndarray) -> np.ndarray:
 
 
 def _pywavelets(plane: np.ndarray) -> np.ndarray:
-    lowpass, *details = pywt.wavedec2(_finite(plane), "db4", mode="symmetric", level=LEVELS)
+    lowpass, *details = pywt.wavedec2(plane, "db4", mode="symmetric", level=LEVELS)
     soft = [tuple(pywt.threshold(band, T, "soft") for band in detail) for detail in details]
     return pywt.waverec2([lowpass, *soft], "db4", mode="symmetric")
 

@@ -173,6 +173,27 @@ def test_gated_convolution_is_its_specification(seed, shape):
     np.testing.assert_allclose(spread, want_spread, rtol=1e-4)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_local_planes_are_weighted_least_squares(seed):
+    rng = np.random.default_rng(seed)
+    z = (500.0 + 3.0 * np.arange(12) + rng.normal(0.0, 4.0, (9, 12))).astype(np.float32)
+    z[rng.random(z.shape) < 0.15] = np.nan
+    trust = rng.uniform(0.5, 2.0, z.shape).astype(np.float32)
+    kernel = smoothing.gaussian_kernel(1.0)
+    out = smoothing.local_planes(z, trust, np.full_like(z, 15.0), kernel)
+    v, u = np.mgrid[-3:4, -3:4]
+    for y in range(3, 6):
+        for x in range(3, 9):
+            window = np.s_[y - 3 : y + 4, x - 3 : x + 4]
+            near = np.abs(z[window] - z[y, x]) <= 15.0
+            if np.isnan(z[y, x]) or near.sum() < 6:
+                continue
+            w = np.sqrt((np.outer(kernel, kernel) * trust[window])[near])
+            A = np.stack([np.ones(near.sum()), u[near], v[near]], axis=1)
+            plane, *_ = np.linalg.lstsq(w[:, None] * A, w * z[window][near], rcond=None)
+            assert out[y, x] == pytest.approx(plane[0], abs=0.02)
+
+
 def test_an_open_gate_gives_the_separable_convolution():
     rng = np.random.default_rng(0)
     z = rng.normal(0.0, 5.0, (20, 30)).astype(np.float32)
