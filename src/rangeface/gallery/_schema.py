@@ -29,6 +29,16 @@ MIGRATIONS = (
         ) STRICT""",
         "CREATE INDEX templates_of ON templates (person)",
     ),
+    (
+        """CREATE TABLE audit (
+            id INTEGER PRIMARY KEY AUTOINCREMENT,
+            at TEXT NOT NULL,
+            action TEXT NOT NULL,
+            person INTEGER NOT NULL,
+            digest BLOB NOT NULL
+        ) STRICT""",
+        "INSERT INTO meta VALUES ('last audit line', x'')",
+    ),
 )
 
 

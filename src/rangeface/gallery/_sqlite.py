@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from datetime import date
 from os import PathLike
@@ -12,8 +12,11 @@ from threading import RLock
 from typing import Any, Self
 
 from rangeface.errors import GalleryError
+from rangeface.gallery import _audit as audit
 from rangeface.gallery._protocol import (
+    AuditEntry,
     Consent,
+    Record,
     View,
     check_fingerprint,
     check_shape,
@@ -22,6 +25,7 @@ from rangeface.gallery._protocol import (
 )
 from rangeface.gallery._record import decode, digest, encode
 from rangeface.gallery._schema import APPLICATION_ID, migrate
+from rangeface.gallery._vault import KEY_VARIABLE, Vault
 from rangeface.types import Template
 
 # A rollback journal, not WAL: SQLite before 3.51.3 can lose acknowledged WAL commits (the reset
@@ -35,6 +39,7 @@ _PRAGMAS = (
     "cell_size_check = ON",
     "trusted_schema = OFF",
 )
+_PROOF = b"rangeface gallery"
 
 
 class SqliteGallery:
@@ -46,6 +51,9 @@ class SqliteGallery:
         The file.
     create : bool
         Make the file where it is missing.
+    key : bytes, optional
+        32 bytes: templates are sealed with AES-256-GCM under their person's name. A gallery is
+        encrypted from its first moment or never; names and consents are not.
     timeout_s : float
         How long to wait for another process's write, s.
 
@@ -53,7 +61,8 @@ class SqliteGallery:
     ------
     GalleryError
         The file is missing, no gallery, damaged, of a newer version, read-only, or the disk is
-        full; a template of another model or shape is enrolled; a person is unknown.
+        full; the key is missing, wrong or not asked for; a template of another model or shape
+        is enrolled; a person is unknown.
 
     Notes
     -----
@@ -64,9 +73,15 @@ class SqliteGallery:
     """
 
     def __init__(
-        self, path: str | PathLike[str], *, create: bool = True, timeout_s: float = 10.0
+        self,
+        path: str | PathLike[str],
+        *,
+        create: bool = True,
+        key: bytes | None = None,
+        timeout_s: float = 10.0,
     ) -> None:
         self._path = Path(path)
+        self._vault = None if key is None else Vault(key)
         self._lock = RLock()
         self._records: dict[int, tuple[str, bytes, Template]] = {}
         self._people: dict[int, tuple[str, Consent | None]] = {}
@@ -92,22 +107,19 @@ class SqliteGallery:
 
     def enroll(self, subject: str, template: Template, *, consent: Consent | None = None) -> None:
         """Add a template of a person; a new consent replaces the old."""
-        check_subject(subject)
+        self.enroll_many([(subject, template, consent)])
+
+    def enroll_many(self, records: Iterable[Record]) -> None:
+        """Add all of the (subject, template, consent), or none of them, in one durable write."""
         with self._writing():
             self._refresh()
-            check_fingerprint(self._fingerprint(), template.fingerprint, str(self._path))
-            first = next((t for _, _, t in self._records.values()), None)
-            check_shape(first, template, str(self._path))
-            person = self._put_person(subject, consent)
-            payload = encode(template)
-            mark = digest(subject, payload)
-            cursor = self._db.execute(
-                "INSERT INTO templates (person, payload, digest) VALUES (?, ?, ?)",
-                (person, payload, mark),
-            )
-            self._reseal(mark)
-            self._records[int(cursor.lastrowid or 0)] = subject, mark, template
-            self._remember()
+            for subject, template, consent in records:
+                check_subject(subject)
+                check_fingerprint(self._fingerprint(), template.fingerprint, str(self._path))
+                first = next((t for _, _, t in self._records.values()), None)
+                check_shape(first, template, str(self._path))
+                self._put(subject, template, consent)
+                self._remember()
 
     def delete(self, subject: str) -> int:
         """Remove all templates of a person without a trace; gives their number."""
@@ -117,6 +129,7 @@ class SqliteGallery:
             self._db.execute("DELETE FROM templates WHERE person = ?", (person,))
             self._db.execute("DELETE FROM people WHERE id = ?", (person,))
             self._reseal(mark, *(m for (m,) in marks))
+            audit.note(self._db, "deleted", person)
             return len(marks)
 
     def subjects(self) -> tuple[str, ...]:
@@ -149,6 +162,47 @@ class SqliteGallery:
                 self._view = day, stack(kept, self._fingerprint())
             return self._view[1]
 
+    def audit(self) -> tuple[AuditEntry, ...]:
+        """What was done, oldest first, without names; altered or missing lines are noticed."""
+        with self._reading():
+            return audit.read(self._db)
+
+    def note(self, action: str) -> None:
+        """Append a line of the caller's to the audit log."""
+        with self._writing():
+            audit.note(self._db, action)
+
+    def backup(self, target: str | PathLike[str], *, overwrite: bool = False) -> None:
+        """Copy the whole gallery to another file, while others may go on using this one.
+
+        Restoring is the same the other way round: open the backup and copy it over the gallery.
+
+        Parameters
+        ----------
+        target : str or PathLike
+            File to write; it is whole or unchanged, even after a crash.
+        overwrite : bool
+            Replace what is there.
+
+        Raises
+        ------
+        GalleryError
+            The target exists and may not be replaced, or cannot be written; or this gallery is
+            damaged, and a copy of it would be worth nothing.
+        """
+        if Path(target).exists() and not overwrite:
+            raise GalleryError(f"{target}: exists; a backup replaces nothing unless asked")
+        self.note("backed up")
+        self.view()
+        with self._lock, self._guard():
+            copy = sqlite3.connect(target)
+            try:
+                copy.execute("PRAGMA synchronous = EXTRA")
+                copy.execute("PRAGMA secure_delete = ON")
+                self._db.backup(copy)
+            finally:
+                copy.close()
+
     def close(self) -> None:
         """Close the file."""
         with self._lock:
@@ -169,6 +223,29 @@ class SqliteGallery:
         if tables and self._one("PRAGMA application_id")[0] != APPLICATION_ID:
             raise GalleryError(f"{self._path}: is an SQLite file, but no gallery")
         migrate(self._db, self._path)
+        self._check_key(new=tables == 0)
+
+    def _check_key(self, new: bool) -> None:
+        if new and self._vault is not None:
+            proof = self._vault.seal(_PROOF, "")
+            self._db.execute("INSERT OR IGNORE INTO meta VALUES ('key proof', ?)", (proof,))
+        row = self._db.execute("SELECT value FROM meta WHERE key = 'key proof'").fetchone()
+        if row is None and self._vault is not None:
+            raise GalleryError(
+                f"{self._path}: is not encrypted; export it and import it into a new gallery"
+            )
+        if row is not None and self._vault is None:
+            raise GalleryError(f"{self._path}: is encrypted; give its key in {KEY_VARIABLE}")
+        if row is not None and self._vault is not None:
+            self._opened(row[0], "")
+
+    def _opened(self, sealed: bytes, name: str) -> bytes:
+        if self._vault is None:
+            return sealed
+        try:
+            return self._vault.open(sealed, name)
+        except GalleryError as error:
+            raise GalleryError(f"{self._path}: {error}") from error
 
     def _refresh(self) -> None:
         """Load what others wrote or removed since the last time, and check the seal."""
@@ -206,7 +283,21 @@ class SqliteGallery:
         (payload,) = self._one("SELECT payload FROM templates WHERE id = ?", record)
         name = self._people[person][0] if person in self._people else ""
         self._check_mark(mark, digest(name, payload))
-        return name, mark, decode(payload)
+        return name, mark, decode(self._opened(payload, name))
+
+    def _put(self, subject: str, template: Template, consent: Consent | None) -> None:
+        person = self._put_person(subject, consent)
+        payload = encode(template)
+        if self._vault is not None:
+            payload = self._vault.seal(payload, subject)
+        mark = digest(subject, payload)
+        cursor = self._db.execute(
+            "INSERT INTO templates (person, payload, digest) VALUES (?, ?, ?)",
+            (person, payload, mark),
+        )
+        self._reseal(mark)
+        audit.note(self._db, "enrolled", person)
+        self._records[int(cursor.lastrowid or 0)] = subject, mark, template
 
     def _put_person(self, subject: str, consent: Consent | None) -> int:
         known = self._db.execute("SELECT id FROM people WHERE name = ?", (subject,)).fetchone()
@@ -223,6 +314,7 @@ class SqliteGallery:
             )
             self._reseal(old, mark)
             person = int(known[0])
+            audit.note(self._db, "consent", person)
         else:
             cursor = self._db.execute(
                 "INSERT INTO people (name, consent, expires, digest) VALUES (?, ?, ?, ?)",
