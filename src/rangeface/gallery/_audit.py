@@ -44,6 +44,6 @@ def read(db: sqlite3.Connection) -> tuple[AuditEntry, ...]:
 
 def _last(db: sqlite3.Connection) -> bytes:
     row = db.execute("SELECT value FROM meta WHERE key = 'last audit line'").fetchone()
-    if row is None:
+    if row is None or not isinstance(row[0], bytes):
         raise GalleryError("the end of the audit log is missing")
-    return bytes(row[0])
+    return row[0]

@@ -124,12 +124,16 @@ class SqliteGallery:
     def delete(self, subject: str) -> int:
         """Remove all templates of a person without a trace; gives their number."""
         with self._writing():
+            self._refresh()
             person, mark = self._person(subject)
             marks = self._all("SELECT digest FROM templates WHERE person = ?", person)
             self._db.execute("DELETE FROM templates WHERE person = ?", (person,))
             self._db.execute("DELETE FROM people WHERE id = ?", (person,))
             self._reseal(mark, *(m for (m,) in marks))
             audit.note(self._db, "deleted", person)
+            del self._people[person]
+            self._records = {i: r for i, r in self._records.items() if r[0] != subject}
+            self._remember()
             return len(marks)
 
     def subjects(self) -> tuple[str, ...]:
@@ -404,4 +408,4 @@ def _consent(reference: str | None, expires: str | None) -> Consent | None:
 
 
 def _xor(a: bytes, b: bytes) -> bytes:
-    return bytes(x ^ y for x, y in zip(a, b, strict=True))
+    return (int.from_bytes(a) ^ int.from_bytes(b)).to_bytes(len(a))
