@@ -56,7 +56,9 @@ def presets() -> list[str]:
     True
     """
     folder = files("rangeface") / "presets"
-    return sorted(f.name.removesuffix(".toml") for f in folder.iterdir() if f.name.endswith(".toml"))
+    return sorted(
+        f.name.removesuffix(".toml") for f in folder.iterdir() if f.name.endswith(".toml")
+    )
 
 
 def load_pipeline(name_or_path: str | Path) -> FacePipeline:
@@ -134,7 +136,9 @@ def from_toml(text: str) -> FacePipeline:
     extra = {}
     if "augment_deg" in table:
         extra["augment_deg"] = tuple(float(a) for a in table["augment_deg"])
-    return FacePipeline(**slots, heads=tuple(_head(k, head) for k, head in enumerate(heads)), **extra)
+    return FacePipeline(
+        **slots, heads=tuple(_head(k, head) for k, head in enumerate(heads)), **extra
+    )
 
 
 def _step(slot: str, entry: Any, methods: Mapping[str, Callable[..., Any]]) -> Step:

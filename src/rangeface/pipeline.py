@@ -82,7 +82,7 @@ class Step:
         return f"{self.name}({inner})"
 
 
-def step(method: Callable[..., Any], **params: Any) -> Step:
+def step(method: Callable[..., Any], /, **params: Any) -> Step:
     """Bind keyword parameters to a method; a wrong one fails here, on its own line.
 
     Parameters

@@ -11,7 +11,14 @@ import numpy as np
 
 from rangeface import classify, config
 from rangeface.decide import refuse, t_norm, threshold_at_fmr, verify
-from rangeface.errors import DegenerateError, GalleryError, NoFaceError, ParameterError, ScanError, ScanFault
+from rangeface.errors import (
+    DegenerateError,
+    GalleryError,
+    NoFaceError,
+    ParameterError,
+    ScanError,
+    ScanFault,
+)
 from rangeface.gallery import Gallery, View, stack
 from rangeface.io.arrays import read_arrays, write_arrays
 from rangeface.pipeline import FacePipeline, Head, Trace
@@ -287,7 +294,8 @@ class FaceRecognizer:
         try:
             pipeline = config.from_toml(meta["pipeline"])
             heads = tuple(
-                _restored(head, h, meta["heads"][h], arrays) for h, head in enumerate(pipeline.heads)
+                _restored(head, h, meta["heads"][h], arrays)
+                for h, head in enumerate(pipeline.heads)
             )
             pipeline = replace(pipeline, heads=heads)
             fingerprint, provenance = meta["fingerprint"], meta["provenance"]
@@ -298,7 +306,9 @@ class FaceRecognizer:
                 path, ScanFault.UNSUPPORTED,
                 "the methods' numbers have changed since this model was made; train it again",
             )  # fmt: skip
-        cohort = _cohort([arrays[f"cohort{h}"] for h in range(len(heads)) if f"cohort{h}" in arrays], fingerprint)
+        cohort = _cohort(
+            [arrays[f"cohort{h}"] for h in range(len(heads)) if f"cohort{h}" in arrays], fingerprint
+        )
         return cls(pipeline, cohort, arrays["nonmated"], provenance)
 
 
@@ -306,7 +316,9 @@ def _cohort(vectors: Sequence[Float32], fingerprint: str) -> View | None:
     """The nameless people of a model file: one row each."""
     if not vectors:
         return None
-    templates = (Template(tuple(v[k : k + 1] for v in vectors), fingerprint) for k in range(len(vectors[0])))
+    templates = (
+        Template(tuple(v[k : k + 1] for v in vectors), fingerprint) for k in range(len(vectors[0]))
+    )
     return stack(((f"cohort {k}", t) for k, t in enumerate(templates)), fingerprint)
 
 

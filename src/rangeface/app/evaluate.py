@@ -17,7 +17,16 @@ from rangeface import classify, describe
 from rangeface.app.progress import over
 from rangeface.config import load_pipeline
 from rangeface.errors import ParameterError, ScanError, ScanFault
-from rangeface.evaluation.protocol import Capture, Rates, Scores, Views, acquire, compare, rates, stage_times
+from rangeface.evaluation.protocol import (
+    Capture,
+    Rates,
+    Scores,
+    Views,
+    acquire,
+    compare,
+    rates,
+    stage_times,
+)
 from rangeface.pipeline import FacePipeline, Head, step
 from rangeface.types import Scan
 
@@ -87,7 +96,9 @@ def _marked(reference: Path, root: Path | None, scans: Sequence[Scan]) -> set[Pa
     missing = [scan.path for scan in scans if scan.path not in found]
     if missing:
         raise ScanError(
-            reference, ScanFault.MALFORMED, f"{len(missing)} captures have no row, e.g. {missing[0]}"
+            reference,
+            ScanFault.MALFORMED,
+            f"{len(missing)} captures have no row, e.g. {missing[0]}",
         )
     return {path for path, mark in found.items() if mark}
 

@@ -79,7 +79,9 @@ def calibrate(folder: Path, *, fmr: float, model: Path | None, out: Path | None)
     if target is not None:
         recognizer.save(target)
     pairs = recognizer.nonmated.size
-    console.print(f"threshold at FMR {fmr:g}: {recognizer.threshold(fmr):.3f} ({pairs} comparisons)")
+    console.print(
+        f"threshold at FMR {fmr:g}: {recognizer.threshold(fmr):.3f} ({pairs} comparisons)"
+    )
     if target is None:
         console.print("not stored: the model that ships is read-only; give --out FILE")
 

@@ -84,9 +84,7 @@ class Scores:
     def rows(self, keep: Sequence[bool] | np.ndarray) -> Scores:
         """The same scores, of some of the probes."""
         chosen = np.flatnonzero(np.asarray(keep, dtype=bool))
-        return replace(
-            self, table=self.table[chosen], probes=tuple(self.probes[i] for i in chosen)
-        )
+        return replace(self, table=self.table[chosen], probes=tuple(self.probes[i] for i in chosen))
 
 
 @dataclass(frozen=True)
@@ -188,7 +186,9 @@ def compare(
     usable = [c for c in training if c.acquired]
     enrolled = [c for c in gallery if c.acquired]
     if not usable or not enrolled:
-        raise NoFaceError(f"no face in any of {len(gallery)} gallery and {len(training)} training scans")
+        raise NoFaceError(
+            f"no face in any of {len(gallery)} gallery and {len(training)} training scans"
+        )
     views = {} if views is None else views
     for capture in (*usable, *enrolled):
         if capture not in views:

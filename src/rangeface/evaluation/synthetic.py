@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from rangeface import sensors, simulate
 from rangeface.errors import ParameterError
-from rangeface.types import RangeImage, Scan
+from rangeface.types import Pinhole, RangeImage, Scan
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,10 @@ def scans(
     sensors.preset(sensor)
     out = []
     for person in range(1000 * seed, 1000 * seed + people):
-        for role, visits, count in (("gallery", (GALLERY,), gallery_frames), ("probe", probes, frames)):
+        for role, visits, count in (
+            ("gallery", (GALLERY,), gallery_frames),
+            ("probe", probes, frames),
+        ):
             for visit in visits:
                 loader = partial(
                     capture, person=person, visit=visit, sensor=sensor,
@@ -99,9 +102,14 @@ def scans(
                 )  # fmt: skip
                 out.append(
                     Scan(
-                        Path(f"person-{person}/{role}-{visit.view}"), loader,
-                        subject=f"person-{person}", role=role, session=str(visit.session),
-                        view=visit.view, expression=visit.expression, sensor=sensor,
+                        Path(f"person-{person}/{role}-{visit.view}"),
+                        loader,
+                        subject=f"person-{person}",
+                        role=role,
+                        session=str(visit.session),
+                        view=visit.view,
+                        expression=visit.expression,
+                        sensor=sensor,
                     )  # fmt: skip
                 )
     return out
@@ -146,5 +154,17 @@ def capture(
         yaw_deg=visit.yaw_deg + yaw, pitch_deg=visit.pitch_deg + pitch, roll_deg=roll,
         nose_tip_mm=(x, y, distance_mm),
     )  # fmt: skip
+    model = replace(model, camera=_window(model.camera, distance_mm))
     scene = simulate.render(head, model.camera, pose, oversample=3)
-    return list(simulate.frames(scene, model, frames, rng=rng))
+    return [simulate.tof(scene, model, rng=rng) for _ in range(frames)]
+
+
+def _window(camera: Pinhole, distance_mm: float) -> Pinhole:
+    """The part of a camera's image that a head before it covers, as a region of interest."""
+    half_width, above, below = (
+        int(mm / camera.pixel_mm(distance_mm)) for mm in (170.0, 190.0, 170.0)
+    )
+    left, top = max(int(camera.cx) - half_width, 0), max(int(camera.cy) - above, 0)
+    right = min(int(camera.cx) + half_width, camera.width)
+    bottom = min(int(camera.cy) + below, camera.height)
+    return camera.crop(left, top, right - left, bottom - top)

@@ -60,8 +60,13 @@ def _person(person: int) -> list[Scan]:
         )
         scans.append(
             Scan(
-                Path(f"train-{person}/{visit.view}"), loader, subject=f"train-{person}",
-                role="train", session=str(session), expression=expression, sensor=sensor,
+                Path(f"train-{person}/{visit.view}"),
+                loader,
+                subject=f"train-{person}",
+                role="train",
+                session=str(session),
+                expression=expression,
+                sensor=sensor,
             )  # fmt: skip
         )
     return scans

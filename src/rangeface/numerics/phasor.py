@@ -78,21 +78,3 @@ def unwrap(phases: ArrayLike, ambiguities_mm: ArrayLike, longest_mm: float) -> N
         best = np.where(nearer, cost, best)
         found = np.where(nearer, candidate + np.einsum("f,fhw->hw", weight, away), found)
     return found
-
-
-def poisson(mean: ArrayLike, *, rng: np.random.Generator) -> NDArray[np.float32]:
-    """Poisson counts of the given means.
-
-    Parameters
-    ----------
-    mean : array_like
-        Expected counts, ≥ 0.
-    rng : numpy.random.Generator
-        Source of the noise.
-
-    Returns
-    -------
-    float32
-        Same shape.
-    """
-    return rng.poisson(np.asarray(mean, np.float64)).astype(np.float32)

@@ -89,7 +89,7 @@ def rasterise(
     return depth, normal, triangle
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _project(
     points: NDArray[np.float64], fx: float, fy: float, cx: float, cy: float, perspective: bool
 ) -> NDArray[np.float64]:
@@ -106,7 +106,7 @@ def _project(
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _fill(
     projected: NDArray[np.float64],
     triangles: NDArray[np.int32],
@@ -146,7 +146,7 @@ def _fill(
     return depth, owner
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _normals(
     points: NDArray[np.float64],
     triangles: NDArray[np.int32],

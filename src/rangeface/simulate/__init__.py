@@ -1,21 +1,52 @@
 """Makes scans: heads of people who do not exist, and cameras that see them as real ones would."""
 
 from rangeface.simulate._anatomy import Tissue
+from rangeface.simulate._capture import METHODS, capture, random_point, triangulate
+from rangeface.simulate._degrade import (
+    add_noise,
+    add_noise_psnr,
+    coarsen,
+    degrade,
+    punch_holes,
+    quantise,
+)
+from rangeface.simulate._gesture import EXPRESSIONS
 from rangeface.simulate._head import Head, head, mean_head
+from rangeface.simulate._morphable import MorphableModel, ict_facekit
 from rangeface.simulate._scene import Scene, pose, render
+from rangeface.simulate._sequence import Frame, Motion, sequence
+from rangeface.simulate._shapes import ball, wall
 from rangeface.simulate._tof import Buckets, amplitude, buckets, decode, tof
 
 __all__ = [
+    "EXPRESSIONS",
+    "METHODS",
     "Buckets",
+    "Frame",
     "Head",
+    "MorphableModel",
+    "Motion",
     "Scene",
     "Tissue",
+    "add_noise",
+    "add_noise_psnr",
     "amplitude",
+    "ball",
     "buckets",
+    "capture",
+    "coarsen",
     "decode",
+    "degrade",
     "head",
+    "ict_facekit",
     "mean_head",
     "pose",
+    "punch_holes",
+    "quantise",
+    "random_point",
     "render",
+    "sequence",
     "tof",
+    "triangulate",
+    "wall",
 ]

@@ -32,8 +32,8 @@ def _jaw_drop(a: Anatomy) -> Field:
     mask = _jaw_mask(a)
     arm_y, arm_z = a.level - _TEMPOROMANDIBULAR[0], _TEMPOROMANDIBULAR[1] - a.points[:, 2]
     turn = np.radians(1.0) * mask
-    hollow = 1.7 * 4.0 * mask * (1.0 - mask) * np.clip(1.0 - (a.x / 25.0) ** 2, 0.0, 1.0)
-    return np.stack([np.zeros_like(mask), turn * arm_z, 0.55 * turn * arm_y + hollow], axis=-1)
+    hollow = 2.2 * 4.0 * mask * (1.0 - mask) * np.clip(1.0 - (a.x / 25.0) ** 2, 0.0, 1.0)
+    return np.stack([np.zeros_like(mask), turn * arm_z, 0.75 * turn * arm_y + hollow], axis=-1)
 
 
 def _jaw_side(a: Anatomy) -> Field:
@@ -62,6 +62,7 @@ ACTIONS: Mapping[str, Shape] = MappingProxyType(
         "brows knit": _total((0.8, forward(8, -56, 7, 6)), (-0.5, forward(0, -58, 3, 8))),
         "eyes narrow": _total((-0.5, forward(31, -37, 10, 4)), (0.5, forward(31, -28, 11, 4))),
         "nose wrinkle": _total((0.5, forward(9, -28, 6, 8)), (-0.8, down(13, 4, 8, 10))),
+        "nose widens": _total((1.0, outward(14, 3, 6, 7)), (-0.5, forward(0, 0, 9, 8))),
         "jaw": _jaw_drop,
         "jaw aside": _jaw_side,
     }
@@ -72,12 +73,12 @@ EXPRESSIONS: Mapping[str, Mapping[str, float]] = MappingProxyType(
         "neutral": {},
         "smile": {
             "corners up": -4.0, "corners out": 5.0, "corners back": -2.5, "lips thin": 0.8,
-            "cheeks raise": 4.0, "fold": 3.0, "eyes narrow": 1.2,
+            "cheeks raise": 4.0, "fold": 3.0, "eyes narrow": 1.2, "nose widens": 1.5,
         },
         "laugh": {
-            "corners up": -5.0, "corners out": 6.5, "corners back": -4.0, "lips thin": 1.2,
-            "cheeks raise": 6.5, "fold": 4.0, "eyes narrow": 2.0, "lips part": 3.0,
-            "nose wrinkle": 1.0, "jaw": 11.0,
+            "corners up": -5.5, "corners out": 8.0, "corners back": -8.0, "lips thin": 1.5,
+            "cheeks raise": 8.0, "fold": 5.0, "eyes narrow": 2.5, "lips part": 3.0,
+            "nose wrinkle": 1.0, "nose widens": 2.5, "jaw": 14.0,
         },
         "frown": {
             "brows lower": 4.0, "brows knit": 2.2, "eyes narrow": 1.5, "corners up": 2.5,
@@ -143,4 +144,5 @@ def gesture(expression: str, strength: float, *, person: int, rng: np.random.Gen
         blend = dict(EXPRESSIONS[expression])
     manner = np.random.default_rng([person, 0x5141]).normal(1.0, 0.25, len(ACTIONS))
     weights = np.array([blend.get(name, 0.0) for name in ACTIONS]) * np.clip(manner, 0.4, 1.6)
-    return np.tensordot(strength * weights, _action_basis(), axes=1)
+    weights = (strength * weights).astype(np.float32)
+    return np.tensordot(weights, _action_basis(), axes=1).astype(np.float64)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
@@ -28,7 +29,7 @@ REFLECTIVITY: Mapping[Tissue, float] = MappingProxyType(
 SHINE = np.array([{Tissue.EYE: 0.6}.get(t, 0.0) for t in Tissue], np.float32)
 
 # root mean square (mm) and shortest and longest wavelength (mm) of the individual relief
-RELIEF = ((0.9, 45.0, 110.0), (0.3, 14.0, 45.0))
+RELIEF = ((0.6, 45.0, 110.0), (0.15, 14.0, 45.0))
 
 # where the landmarks of the mean head lie in the frontal view, mm
 _LANDMARKS = {
@@ -155,7 +156,7 @@ def head(
     weights, stout = _weights(rng, sex, age)
     if session:
         weights = weights + visit.normal(0.0, 0.12) * stout
-    points = anatomy.points + np.tensordot(weights, basis(), axes=1)
+    points = anatomy.points + np.tensordot(weights.astype(np.float32), basis(), axes=1)
     points[:, 2] -= sum(relief(anatomy, *band, rng=rng) for band in RELIEF)
     hair, skin = rng.uniform(0.15, 0.45), np.clip(rng.normal(1.0, 0.08), 0.75, 1.25)
     if session:
@@ -239,6 +240,7 @@ def _nose_tip(points: Field) -> Field:
     return points[near[np.argmin(points[near, 2])]]
 
 
+@lru_cache(maxsize=1)
 def _landmark_vertices() -> dict[str, int]:
     a = mean_anatomy()
     hidden = np.where(np.cos(a.theta) > 0, 0.0, 1e3)

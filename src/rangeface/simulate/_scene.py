@@ -184,7 +184,7 @@ def _view(
     part = np.searchsorted(starts, triangle, side="right") - 1
     seen = triangle >= 0
     seen_look = np.zeros((*triangle.shape, 2), np.float32)
-    seen_look[seen] = look[triangles[triangle[seen]]].mean(axis=-2)
+    seen_look[seen] = look[triangles].mean(axis=1)[triangle[seen]]
     return Scene(
         camera, depth, normal, seen_look[..., 0], seen_look[..., 1],
         np.where(seen, part, -1).astype(np.int16),

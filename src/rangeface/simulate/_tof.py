@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
 
 from rangeface.errors import ParameterError
-from rangeface.numerics import phasor
+from rangeface.numerics import draws, phasor
 from rangeface.sensors import SPEED_OF_LIGHT_MM_S, SensorModel
 from rangeface.simulate._scene import Scene
 from rangeface.types import Camera, Float32, RangeImage
@@ -21,6 +21,7 @@ Complex64: TypeAlias = NDArray[np.complex64]
 
 _SHINE_POWER = 400.0  # the lamp's image on a wet eye is a few degrees wide
 _HOLLOW_MM = 20.0  # depth of a hollow that receives the whole second bounce
+_NEAR_PX = 6.0  # how far a second bounce reaches
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,18 +174,22 @@ def amplitude(scene: Scene, sensor: SensorModel) -> Float32:
     (kH, kW) float32
         Counts; 0 where nothing is seen.
     """
-    ray = scene.fine_camera.radial_factor()
+    ray, lobe = _optics(scene.fine_camera, sensor.lobe_power)
     facing = np.abs(scene.normal[..., 2])
-    shine = np.where(scene.shine > 0, scene.shine * facing**_SHINE_POWER, 0.0)
-    law = (scene.reflectivity * facing + shine) / (scene.depth * ray * 1e-3) ** 2
-    return np.nan_to_num(sensor.signal * law * ray**-sensor.lobe_power).astype(np.float32)
+    returned = scene.reflectivity * facing
+    wet = scene.shine > 0
+    returned[wet] += scene.shine[wet] * facing[wet] ** _SHINE_POWER
+    law = returned * lobe / (scene.depth * ray * np.float32(1e-3)) ** 2
+    return np.nan_to_num(np.float32(sensor.signal) * law)
 
 
 def _light(scene: Scene, sensor: SensorModel, frequency_hz: float) -> tuple[Complex64, Float32]:
     """Complex signal and mean count per pixel, before the electronics."""
     A = amplitude(scene, sensor)
-    radial = np.nan_to_num(scene.depth) * scene.fine_camera.radial_factor()
-    signal = A * np.exp(4j * np.pi * frequency_hz / SPEED_OF_LIGHT_MM_S * radial)
+    ray, _ = _optics(scene.fine_camera, 0.0)
+    seen = A > 0
+    signal = np.zeros(A.shape, np.complex64)
+    signal[seen] = A[seen] * _turned(scene.depth[seen] * ray[seen], frequency_hz)
     # light inside a pixel adds as phasors: at an edge the mixture lies between the surfaces
     signal, own = _binned(signal, scene.oversample), _binned(A, scene.oversample) / sensor.contrast
     ambient = sensor.background * _binned(scene.reflectivity, scene.oversample)
@@ -193,53 +198,79 @@ def _light(scene: Scene, sensor: SensorModel, frequency_hz: float) -> tuple[Comp
         signal = signal + sensor.bounce * _second_bounce(scene, signal, frequency_hz)
     if sensor.scattering:
         spread = sensor.scattering_px
-        blurred = gaussian_filter(signal, spread, mode="constant")
-        signal = signal + sensor.scattering * (blurred - signal)
-        own = own + sensor.scattering * (gaussian_filter(own, spread, mode="constant") - own)
-    lens = scene.camera.radial_factor() ** -sensor.vignetting
+        signal = signal + sensor.scattering * (_blurred(signal, spread) - signal)
+        own = own + sensor.scattering * (_blurred(own, spread) - own)
+    _, lens = _optics(scene.camera, sensor.vignetting)
     offset_mm, gain, _ = _specimen(sensor, *signal.shape)
-    turn = np.exp(4j * np.pi * frequency_hz / SPEED_OF_LIGHT_MM_S * offset_mm)
-    mean = lens * gain * (own + ambient) + sensor.dark
-    return (lens * gain * signal * turn).astype(np.complex64), mean.astype(np.float32)
+    signal = lens * gain * signal * _turned(offset_mm, frequency_hz)
+    mean = lens * gain * (own + ambient) + np.float32(sensor.dark)
+    return signal.astype(np.complex64, copy=False), mean.astype(np.float32, copy=False)
 
 
-def _binned(plane: NDArray, k: int) -> NDArray:  # type: ignore[type-arg]
-    if k == 1:
-        return plane
-    return plane.reshape(plane.shape[0] // k, k, plane.shape[1] // k, k).mean(axis=(1, 3))
+def _turned(radial_mm: Float32, frequency_hz: float) -> Complex64:
+    """Unit phasors of a radial range."""
+    turns = np.asarray(radial_mm, np.float64) * (2.0 * frequency_hz / SPEED_OF_LIGHT_MM_S)
+    angle = (2.0 * np.pi * (turns - np.round(turns))).astype(np.float32)
+    out = np.empty(angle.shape, np.complex64)
+    out.real, out.imag = np.cos(angle), np.sin(angle)
+    return out
+
+
+@lru_cache(maxsize=16)
+def _optics(camera: Camera, power: float) -> tuple[Float32, Float32]:
+    """Radial factor of each pixel, and cos^power of its angle from the axis."""
+    ray = camera.radial_factor()
+    return ray, ray ** np.float32(-power)
+
+
+def _blurred(plane: NDArray[Any], spread_px: float) -> NDArray[Any]:
+    if np.iscomplexobj(plane):
+        channels = np.ascontiguousarray(plane).view(np.float32).reshape(*plane.shape, 2)
+        blurred = _blurred(channels, spread_px)
+        return np.ascontiguousarray(blurred).view(np.complex64)[..., 0]
+    return cv2.GaussianBlur(plane, (0, 0), spread_px, borderType=cv2.BORDER_CONSTANT)
+
+
+def _binned(plane: NDArray[Any], k: int) -> NDArray[Any]:
+    parts = [plane[i::k, j::k] for i in range(k) for j in range(k)]
+    return np.asarray(sum(parts[1:], parts[0]) / np.float32(k * k))
 
 
 def _second_bounce(scene: Scene, signal: Complex64, frequency_hz: float) -> Complex64:
     # a pixel deeper than its surroundings sees them, and their light has gone further
     depth = np.nan_to_num(scene.image.depth)
-    seen = (depth > 0).astype(np.float64)
-    share = np.maximum(gaussian_filter(seen, 6.0), 1e-6)
-    around = gaussian_filter(depth, 6.0) / share
-    hollow = np.clip((depth - around) / _HOLLOW_MM, 0.0, 1.0) * seen
-    extra = np.exp(2j * np.pi * frequency_hz / SPEED_OF_LIGHT_MM_S * 2.0 * _HOLLOW_MM)
-    return np.asarray(hollow * extra * gaussian_filter(signal, 6.0) / share)
+    seen = (depth > 0).astype(np.float32)
+    share = np.maximum(_blurred(seen, _NEAR_PX), np.float32(1e-6))
+    around = _blurred(depth, _NEAR_PX) / share
+    hollow = np.clip((depth - around) / np.float32(_HOLLOW_MM), 0.0, 1.0) * seen
+    further = _turned(np.array(_HOLLOW_MM), frequency_hz)
+    return hollow * further * _blurred(signal, _NEAR_PX) / share
 
 
 def _correlation(signal: Complex64, shift: float, sensor: SensorModel) -> Float32:
-    strength, angle = np.abs(signal), np.angle(signal) + shift
-    wave = np.cos(angle)
-    for order, part in ((3, sensor.third_harmonic), (5, sensor.fifth_harmonic)):
-        if part:
-            wave += part * np.cos(order * angle)
-    return strength * wave
+    strength = np.abs(signal)
+    turned = (signal * np.complex64(np.exp(1j * shift))).real
+    third, fifth = np.float32(sensor.third_harmonic), np.float32(sensor.fifth_harmonic)
+    if not (third or fifth):
+        return turned
+    # cos 3x and cos 5x by Chebyshev's polynomials of c = cos x
+    c = turned / np.maximum(strength, np.float32(1e-20))
+    c2 = c * c
+    wave = c * (1.0 + third * (4.0 * c2 - 3.0) + fifth * ((16.0 * c2 - 20.0) * c2 + 5.0))
+    return np.asarray(strength * wave)
 
 
 def _detect(counts: Float32, sensor: SensorModel, rng: np.random.Generator) -> Float32:
     """Photons to numbers: shot noise, compression, saturation, read noise, converter."""
     counts = np.maximum(counts, 0.0)
     if sensor.shot_noise:
-        noisy = phasor.poisson(counts, rng=rng)
+        noisy = draws.poisson(counts, rng=rng)
         counts = counts + np.sqrt(sensor.shot_noise) * (noisy - counts)
     if sensor.compression:
         counts = counts * (1.0 - sensor.compression * np.minimum(counts / sensor.full_well, 1.0))
     counts = np.minimum(counts, sensor.full_well)
     if sensor.read_noise:
-        counts = counts + sensor.read_noise * rng.standard_normal(counts.shape, np.float32)
+        counts = counts + sensor.read_noise * draws.normal(counts.shape, rng=rng)
     if step := sensor.converter_step:
         counts = np.clip(np.round(counts / step) * step, 0.0, sensor.full_well)
     return np.asarray(counts, np.float32)
