@@ -216,7 +216,7 @@ def test_a_gallery_of_the_first_version_is_brought_up_to_date(tmp_path, monkeypa
 
     with monkeypatch.context() as past:
         past.setattr(_schema, "MIGRATIONS", _schema.MIGRATIONS[:1])
-        past.setattr(_sqlite.audit, "note", lambda *_: None)
+        past.setattr(_sqlite._audit, "note", lambda *_: None)
         with SqliteGallery(tmp_path / "g.db") as old:
             old.enroll("ann", template(0))
     with SqliteGallery(tmp_path / "g.db") as gallery:

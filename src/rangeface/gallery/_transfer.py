@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from datetime import date
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -11,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rangeface.errors import GalleryError, ScanError
-from rangeface.gallery._protocol import Consent, Gallery
-from rangeface.gallery._record import decode, encode
+from rangeface.gallery._protocol import Gallery
+from rangeface.gallery._record import consent_from_text, consent_to_text, decode, encode
 from rangeface.io.arrays import read_arrays, write_arrays
 
 
@@ -49,7 +48,7 @@ def export_gallery(gallery: Gallery, path: str | PathLike[str]) -> int:
     }
     meta = {
         "kind": "gallery",
-        "people": [[s, *_as_text(gallery.consent(s))] for s in people],
+        "people": [[s, *consent_to_text(gallery.consent(s))] for s in people],
     }
     try:
         write_arrays(Path(path), meta, arrays)
@@ -86,7 +85,9 @@ def import_gallery(gallery: Gallery, path: str | PathLike[str]) -> int:
         raise GalleryError(str(error)) from error
     if meta.get("kind") != "gallery":
         raise GalleryError(f"{path}: is no exported gallery")
-    people = [(name, _from_text(reference, expires)) for name, reference, expires in meta["people"]]
+    people = [
+        (name, consent_from_text(reference, expires)) for name, reference, expires in meta["people"]
+    ]
     twice = sorted(set(gallery.subjects()) & {name for name, _ in people})
     if twice:
         raise GalleryError(f"{path}: {twice[0]!r} is enrolled already; delete them here first")
@@ -101,15 +102,3 @@ def import_gallery(gallery: Gallery, path: str | PathLike[str]) -> int:
     )
     gallery.note("imported")
     return len(people)
-
-
-def _as_text(consent: Consent | None) -> tuple[str | None, str | None]:
-    if consent is None:
-        return None, None
-    return consent.reference, consent.expires.isoformat() if consent.expires else None
-
-
-def _from_text(reference: Any, expires: Any) -> Consent | None:
-    if reference is None:
-        return None
-    return Consent(reference, date.fromisoformat(expires) if expires else None)
