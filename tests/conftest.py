@@ -17,8 +17,10 @@ from rangeface.types import RangeImage, RigidTransform
 def sr3000_face(
     person: int = 3, *, yaw: float = 0.0, pitch: float = 0.0, session: int = 0, noise: int = 0
 ) -> tuple[RangeImage, RigidTransform]:
-    """A head before an SR-3000 at 40 cm, mean of ten frames' worth of light, and its true pose."""
-    sensor = sensors.preset("sr3000")
+    """A head before a calibrated SR-3000 at 40 cm (random noise only), and its true pose."""
+    sensor = sensors.preset("sr3000").without(
+        "wiggling", "multipath", "scattering", "fixed pattern", "compression"
+    )
     pose = simulate.pose(yaw_deg=yaw, pitch_deg=pitch, nose_tip_mm=(4.0, -6.0, 400.0))
     scene = simulate.render(simulate.head(person, session=session), sensor.camera, pose)
     return simulate.tof(scene, sensor, rng=np.random.default_rng(noise)), pose

@@ -84,4 +84,4 @@ def test_relief_tells_a_face_from_a_smooth_surface() -> None:
     ball = CAMERA.back_project(ball_z)
     args = (pose.rotation, pose.translation, CAMERA.projection)
     assert icp.relief_correlation(_model(400), *args, image) > 0.95
-    assert icp.relief_correlation(_model(400), *args, ball) < 0.3
+    assert icp.relief_correlation(_model(400), *args, ball) < 0.5
