@@ -579,28 +579,32 @@ class ReferenceFace:
             raise DegenerateError("image: a reference face needs at least 100 valid pixels")
         object.__setattr__(self, "landmarks", MappingProxyType(dict(self.landmarks)))
 
+    @cached_property
+    def normals(self) -> Float32:
+        """Unit normals towards the camera, (H, W, 3), NaN where there is none."""
+        from rangeface.numerics.normals import from_points  # numba loads only where it is needed
+
+        return from_points(self.image.points)
+
     def surface(self, count: int) -> tuple[Float32, Float32, Float32]:
         """About `count` points (m, 3), unit normals (m, 3) and weights (m,), evenly spread.
 
         A point weighs 1/(1 + σ²/σ₀²) with σ₀ the median of `image.sigma`: where people differ
-        most, the reference says least. Normals point to the camera.
+        most, the reference says least.
         """
-        from rangeface.numerics.normals import from_points  # numba loads only where it is needed
-
-        normals = from_points(self.image.points)
-        usable = np.isfinite(normals[..., 2])
-        stride = max(int(np.sqrt(usable.sum() / count)), 1)
+        usable = np.isfinite(self.normals[..., 2])
+        stride = max(float(np.sqrt(usable.sum() / count)), 1.0)
+        rows, cols = (np.arange(0.5 * (stride - 1.0), n, stride).astype(int) for n in usable.shape)
         lattice = np.zeros_like(usable)
-        lattice[stride // 2 :: stride, stride // 2 :: stride] = True
+        lattice[np.ix_(rows, cols)] = True
         chosen = usable & lattice
-        if self.image.sigma is None:
-            weights = np.ones(int(chosen.sum()), np.float32)
-        else:
+        weights = np.ones(int(chosen.sum()), np.float32)
+        if self.image.sigma is not None:
             sigma = self.image.sigma
             weights = 1.0 / (1.0 + (sigma[chosen] / np.median(sigma[usable])) ** 2)
         return (
             np.ascontiguousarray(self.image.points[chosen]),
-            np.ascontiguousarray(normals[chosen]),
+            np.ascontiguousarray(self.normals[chosen]),
             np.ascontiguousarray(weights, dtype=np.float32),
         )
 
@@ -617,7 +621,7 @@ class Scan:
     path : Path
         The file, or the folder of a sequence.
     loader : callable
-        Reads the frames of `path`; raises ScanError.
+        Reads `path`: one image, or the frames of a sequence; raises ScanError.
     subject : str
         Who it shows.
     role : str
@@ -629,7 +633,7 @@ class Scan:
     """
 
     path: Path
-    loader: Callable[[Path], RangeImage] = field(repr=False)
+    loader: Callable[[Path], RangeImage | list[RangeImage]] = field(repr=False)
     subject: str = ""
     role: str = ""
     session: str = ""
@@ -638,8 +642,8 @@ class Scan:
     sensor: str = ""
     landmarks: Mapping[str, Float64] = field(default_factory=dict)
 
-    def load(self) -> RangeImage:
-        """Read the capture.
+    def load(self) -> RangeImage | list[RangeImage]:
+        """Read the capture: one image, or the frames of a sequence.
 
         Raises
         ------

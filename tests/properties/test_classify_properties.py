@@ -9,7 +9,6 @@ from rangeface.classify import (
     MLDA,
     PCA,
     SVM,
-    BlockCovariance,
     CollaborativeRepresentation,
     FisherfaceLDA,
     HistogramMatcher,
@@ -125,10 +124,12 @@ def test_fisherfaces_whiten_the_within_scatter(seed):
 def test_neither_order_nor_offset_of_the_samples_matters(seed):
     X, labels = draw(seed)
     shuffle = np.random.default_rng(seed).permutation(len(X))
-    for kind in (PCA, MLDA, RegularizedLDA):
+    for kind in (PCA, MLDA, FisherfaceLDA, RegularizedLDA):
         Y = kind(3).fit(X, labels).transform(X)
         other = kind(3).fit(X[shuffle] + 2.0, labels[shuffle]).transform(X + 2.0)
-        np.testing.assert_allclose(similarity(Y, Y), similarity(other, other), rtol=1e-4, atol=0.02)
+        scores = similarity(Y, Y)
+        tolerance = 1e-3 * np.abs(scores).max()
+        np.testing.assert_allclose(scores, similarity(other, other), atol=tolerance)
 
 
 @pytest.mark.parametrize("metric", ["euclidean", "cosine", "chi-square", "intersection"])
@@ -210,28 +211,6 @@ def test_intersection_is_one_minus_half_the_cityblock_distance(seed):
     np.testing.assert_allclose(Y.reshape(5, 3, 8).sum(axis=2), 1 / 3, rtol=1e-6)
     cityblock = np.abs(Y[:, None] - Y[None]).sum(axis=2)
     np.testing.assert_allclose(matcher.similarity(Y, Y), 1 - cityblock / 2, atol=1e-6)
-
-
-@given(SEEDS)
-@FEW
-def test_block_covariances_do_not_see_an_offset(seed):
-    X = np.random.default_rng(seed).random((4, 80))
-    matcher = BlockCovariance(image_shape=(10, 8), grid=(2, 2)).fit(X)
-    np.testing.assert_allclose(matcher.transform(X + 7.0), matcher.transform(X), atol=1e-4)
-
-
-def test_block_covariances_are_logarithms():
-    X = np.random.default_rng(0).random((3, 80))
-    matcher = BlockCovariance(image_shape=(10, 8), ridge=0.1).fit(X)
-    z = X[0].reshape(10, 8)
-    y, x = np.mgrid[:10, :8]
-    planes = [x, y, z, np.gradient(z, axis=1), np.gradient(z, axis=0)]
-    f = np.stack([p.ravel() for p in planes]) / matcher.scale_[:, None]
-    values, U = np.linalg.eigh(np.cov(f, bias=True) + 0.1 * np.eye(5))
-    logarithm = U @ np.diag(np.log(values)) @ U.T
-    i, j = np.triu_indices(5)
-    expected = logarithm[i, j] * np.where(i == j, 1, np.sqrt(2))
-    np.testing.assert_allclose(matcher.transform(X)[0], expected, atol=1e-5)
 
 
 @given(SEEDS, st.floats(0.1, 10), st.floats(-5, 5))

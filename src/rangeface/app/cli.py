@@ -27,15 +27,11 @@ Model = Annotated[
     Path | None,
     typer.Option("--model", help="Model file of `rangeface train`. Default: the one that ships."),
 ]
-GalleryFile = Annotated[
-    str, typer.Option("--gallery", help="Gallery file, or sqlite:///FILE.")
-]
+GalleryFile = Annotated[str, typer.Option("--gallery", help="Gallery file, or sqlite:///FILE.")]
 Fmr = Annotated[
     float, typer.Option("--fmr", help="Accepted false match rate of one comparison, 0 … 1.")
 ]
-Pipeline = Annotated[
-    str, typer.Option("--pipeline", help="Name of a preset, or a file FILE.toml.")
-]
+Pipeline = Annotated[str, typer.Option("--pipeline", help="Name of a preset, or a file FILE.toml.")]
 Camera = Annotated[
     Path | None,
     typer.Option("--camera", help="Camera TOML, where the scan file brings no camera."),

@@ -90,7 +90,9 @@ def _answer(decision: Decision) -> None:
     why = f": {decision.reason}" if decision.reason else ""
     colour = _COLOURS[decision.verdict]
     console.print(f"[{colour}]{decision.verdict}{who}[/]{why}", highlight=False)
-    console.print(f"score {decision.score:.2f}, threshold {decision.threshold:.2f}", highlight=False)
+    console.print(
+        f"score {decision.score:.2f}, threshold {decision.threshold:.2f}", highlight=False
+    )
     for subject, score in decision.ranking[:5]:
         console.print(f"  {score:8.2f}  {escape(subject)}", highlight=False)
     if decision.verdict is not Verdict.ACCEPTED:

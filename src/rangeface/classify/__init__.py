@@ -7,8 +7,8 @@ Every entry of `METHODS` is a scikit-learn estimator with ``fit(X, y)``, ``trans
 from __future__ import annotations
 
 from rangeface.classify._base import Matcher
-from rangeface.classify._block_covariance import BlockCovariance
 from rangeface.classify._collaborative import CollaborativeRepresentation
+from rangeface.classify._direct import Direct
 from rangeface.classify._fisherface import FisherfaceLDA
 from rangeface.classify._histogram import HistogramMatcher
 from rangeface.classify._kernel_fisher import KernelFisher
@@ -29,8 +29,8 @@ METHODS: dict[str, type[Matcher]] = {
     "kernel-fisher": KernelFisher,
     "crc": CollaborativeRepresentation,
     "svm": SVM,
+    "direct": Direct,
     "histogram": HistogramMatcher,
-    "block-covariance": BlockCovariance,
     "pearson": PearsonMatcher,
     "warped-pearson": WarpedPearsonMatcher,
 }
@@ -44,8 +44,8 @@ __all__ = [
     "PCA",
     "SUPERVISED",
     "SVM",
-    "BlockCovariance",
     "CollaborativeRepresentation",
+    "Direct",
     "FisherfaceLDA",
     "HistogramMatcher",
     "KernelFisher",

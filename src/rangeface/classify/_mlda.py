@@ -106,5 +106,7 @@ def _criterion(Z: NDArray[Any], labels: NDArray[Any], alpha: float) -> NDArray[A
 
 def _top(S: NDArray[Any], count: int) -> tuple[NDArray[Any], NDArray[Any]]:
     count = min(count, len(S))
-    values, vectors = eigh(S, subset_by_index=(len(S) - count, len(S) - 1))
+    values, vectors = eigh(
+        S, subset_by_index=(len(S) - count, len(S) - 1), overwrite_a=True, check_finite=False
+    )
     return values[::-1], vectors[:, ::-1]

@@ -13,7 +13,7 @@ from rangeface.errors import DegenerateError
 
 Array = NDArray[Any]
 
-ROUNDING = 32  # a pivot below this many eps of the largest one is rounding, not variation
+ROUNDING = 100  # a pivot below this many eps of the largest one is rounding, not variation
 
 
 @dataclass(frozen=True)
@@ -92,12 +92,13 @@ def span(X: Array, *, dtype: type = np.float64) -> Span:
 def gram_span(gram: Array) -> tuple[Array, Array, Array]:
     """Coordinates Z with K = Z Zᵀ, the samples that carry the basis, and their factor L.
 
-    Row p of L is the coordinates of basis sample p, so any sample x with products k = ⟨x, basis⟩
-    has the coordinates L⁻¹k.
+    K is the Gram matrix of centred samples. Row p of L is the coordinates of basis sample p, so
+    any sample x with products k = ⟨x, basis⟩ has the coordinates L⁻¹k.
     """
     pstrf = lapack.spstrf if gram.dtype == np.float32 else lapack.dpstrf
     tolerance = ROUNDING * np.finfo(gram.dtype).eps * gram.diagonal().max()
     L, order, rank, _ = pstrf(gram, tol=tolerance, lower=1)
+    rank = min(rank, len(gram) - 1)  # centring costs one dimension
     L, pivots = np.tril(L)[:, :rank], order - 1
     Z = np.empty_like(L)
     Z[pivots] = L

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
+from sklearn.base import BaseEstimator
 
-from rangeface.classify._base import Matcher
+T = TypeVar("T", bound=BaseEstimator)
 
 
-def fitted_state(estimator: Matcher) -> dict[str, Any]:
+def fitted_state(estimator: BaseEstimator) -> dict[str, Any]:
     """Everything that `fit` learned: the attributes that end in one underscore.
 
     Parameters
     ----------
-    estimator : Matcher
-        A fitted estimator of this stage.
+    estimator : estimator
+        Fitted; of this stage, or any other of ours that learns.
 
     Returns
     -------
@@ -43,13 +44,13 @@ def fitted_state(estimator: Matcher) -> dict[str, Any]:
     }
 
 
-def restore(kind: type[Matcher], params: Mapping[str, Any], state: Mapping[str, Any]) -> Matcher:
+def restore(kind: type[T], params: Mapping[str, Any], state: Mapping[str, Any]) -> T:
     """The fitted estimator that `get_params` and `fitted_state` described.
 
     Parameters
     ----------
     kind : type
-        Class of the estimator, from `METHODS`.
+        Class of the estimator, for instance from `METHODS`.
     params : mapping
         Constructor's parameters.
     state : mapping
@@ -57,7 +58,7 @@ def restore(kind: type[Matcher], params: Mapping[str, Any], state: Mapping[str, 
 
     Returns
     -------
-    Matcher
+    estimator
         Equal to the one described.
     """
     estimator = kind(**params)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from rangeface.errors import ParameterError
@@ -42,5 +43,14 @@ def per_subject(scores: ArrayLike, owners: ArrayLike, *, count: int) -> NDArray[
     if rows.size and (rows.min() < 0 or rows.max() >= count):
         raise ParameterError(f"owners: must be in 0 … {count - 1}")
     best = np.full((*table.shape[:-1], count), np.nan, dtype=np.float32)
-    np.fmax.at(best.T, rows, table.T)
+    _keep_best(table.reshape(-1, rows.size), rows, best.reshape(-1, count))
     return best
+
+
+@njit(cache=True, nogil=True)
+def _keep_best(table, rows, best):  # type: ignore[no-untyped-def]
+    for i in range(table.shape[0]):
+        for j in range(rows.size):
+            score = table[i, j]
+            if not score <= best[i, rows[j]] and not np.isnan(score):
+                best[i, rows[j]] = score

@@ -22,7 +22,7 @@ def auto(image: RangeImage) -> RangeImage:
       0.05 mm nothing is done.
     * Where less than 0.4 of the valid pixels' bounding box is valid: `normalized_convolution`
       without filling, as wide as one pixel.
-    * Otherwise `dtcwt` with bivariate shrinkage, whose strength is σ itself, down to structures
+    * Otherwise `dtcwt` with Wiener shrinkage, whose strength is σ itself, down to structures
       of about 32 mm: 1 to 6 levels by the footprint of a pixel.
 
     Parameters
@@ -60,6 +60,6 @@ def auto(image: RangeImage) -> RangeImage:
     box = (np.ptp(rows) + 1) * (np.ptp(cols) + 1)
     if len(rows) < _SPARSE * box:
         return normalized_convolution(image, sigma_px=1.0, fill=False)
-    pixel_mm = image.camera.pixel_mm(float(np.nanmedian(image.depth)))
+    pixel_mm = image.camera.pixel_mm(float(np.nanmean(image.depth)))
     levels = int(np.clip(np.round(np.log2(_COARSEST_MM / pixel_mm)), 1, 6))
-    return dtcwt(image, shrinkage="bivariate", levels=levels)
+    return dtcwt(image, shrinkage="wiener", levels=levels)

@@ -1,23 +1,23 @@
 from __future__ import annotations
 
-from rangeface.denoise import _wavelet
-from rangeface.denoise._wavelet import Kind, Rule, Rules
-from rangeface.numerics.dtcwt import quads, trees
-from rangeface.types import Float32, RangeImage
+from functools import partial
 
-_KIND = Kind(2, 2, quads.magnitudes, quads.soft, quads.scale)
+from rangeface.denoise import _wavelet
+from rangeface.denoise._wavelet import Rule, Rules, Transform
+from rangeface.numerics.dtcwt import quads, trees
+from rangeface.types import RangeImage
 
 
 def dtcwt(
     image: RangeImage,
     *,
-    shrinkage: Rule = "bivariate",
+    shrinkage: Rule = "wiener",
     threshold_sigma: float = 2.0,
     threshold_mm: float | None = None,
     per_pixel_sigma: bool = True,
     levels: int = 4,
-    first: str = "near_sym_b",
-    further: str = "qshift_b",
+    first: str = "near_sym_a",
+    further: str = "qshift_06",
 ) -> RangeImage:
     r"""Shrink the coefficients of the dual-tree complex wavelet transform.
 
@@ -31,7 +31,8 @@ def dtcwt(
         Any image; holes stay holes.
     shrinkage : str
         "soft": T = `threshold_sigma` · σ. "bayes": T = σ²/σ_signal, per sub-band. "bivariate":
-        each coefficient judged with its parent and its neighbours.
+        each coefficient judged with its parent and its neighbours. "wiener": that as a pilot,
+        then Wiener's gain twice, each time with the signal as known so far.
     threshold_sigma : float
         Multiple of the noise in a coefficient's real part, ≥ 0; for "soft".
     threshold_mm : float, optional
@@ -63,7 +64,8 @@ def dtcwt(
     References
     ----------
     I. W. Selesnick, R. G. Baraniuk, N. G. Kingsbury, 2005, doi:10.1109/MSP.2005.1550194;
-    L. Sendur, I. W. Selesnick, 2002, doi:10.1109/LSP.2002.806054.
+    L. Sendur, I. W. Selesnick, 2002, doi:10.1109/LSP.2002.806054; S. P. Ghael, A. M. Sayeed,
+    R. G. Baraniuk, 1997, doi:10.1117/12.292799.
 
     Examples
     --------
@@ -77,11 +79,15 @@ def dtcwt(
     rules = Rules(shrinkage, threshold_sigma, threshold_mm, per_pixel_sigma)
     _wavelet.check(rules)
     trees.check(levels, first, further)
-    gains = trees.noise_gains(levels, first, further)
-
-    def through(plane: Float32, sigma: Float32) -> tuple[Float32, float]:
-        bands = trees.analyse(plane, levels, first, further)
-        left = _wavelet.shrink(bands.details, sigma, gains, _KIND, rules)
-        return trees.synthesise(bands), left
-
-    return _wavelet.denoise(image, rules, through)
+    transform = Transform(
+        analyse=partial(trees.analyse, levels=levels, first=first, further=further),
+        synthesise=trees.synthesise,
+        gains=trees.noise_gains(levels, first, further),
+        stride=2,
+        parts=2,
+        magnitudes=quads.magnitudes,
+        soft=quads.soft,
+        wiener=quads.wiener,
+        scale=quads.scale,
+    )
+    return _wavelet.denoise(image, transform, rules)

@@ -1,10 +1,12 @@
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from rangeface.denoise import _wavelet
-from rangeface.denoise._wavelet import Kind, Rule, Rules
-from rangeface.numerics import dwt as transform
+from rangeface.denoise._wavelet import Rule, Rules, Transform
+from rangeface.numerics import dwt as bands
 from rangeface.types import Float32, RangeImage
 
 
@@ -30,7 +32,8 @@ def dwt(
         Any image; holes stay holes.
     shrinkage : str
         "soft": T = `threshold_sigma` · σ. "bayes": T = σ²/σ_signal, per sub-band. "bivariate":
-        each coefficient judged with its parent and its neighbours.
+        each coefficient judged with its parent and its neighbours. "wiener": that as a pilot,
+        then Wiener's gain twice, each time with the signal as known so far.
     threshold_sigma : float
         Multiple of the noise in a coefficient, ≥ 0; for "soft".
     threshold_mm : float, optional
@@ -67,15 +70,19 @@ def dwt(
     """
     rules = Rules(shrinkage, threshold_sigma, threshold_mm, per_pixel_sigma)
     _wavelet.check(rules)
-    transform.check(levels, wavelet)
-    gains = transform.noise_gains(levels, wavelet)
-
-    def through(plane: Float32, sigma: Float32) -> tuple[Float32, float]:
-        bands = transform.forward(plane, wavelet=wavelet, levels=levels)
-        left = _wavelet.shrink(bands.details, sigma, gains, _KIND, rules)
-        return transform.inverse(bands), left
-
-    return _wavelet.denoise(image, rules, through)
+    bands.check(levels, wavelet)
+    transform = Transform(
+        analyse=partial(bands.forward, wavelet=wavelet, levels=levels),
+        synthesise=bands.inverse,
+        gains=bands.noise_gains(levels, wavelet),
+        stride=1,
+        parts=1,
+        magnitudes=_magnitudes,
+        soft=bands.soft,
+        wiener=bands.wiener,
+        scale=_scale,
+    )
+    return _wavelet.denoise(image, transform, rules)
 
 
 def _magnitudes(band: Float32) -> tuple[Float32, ...]:
@@ -84,6 +91,3 @@ def _magnitudes(band: Float32) -> tuple[Float32, ...]:
 
 def _scale(band: Float32, gain: Float32) -> None:
     band *= gain
-
-
-_KIND = Kind(1, 1, _magnitudes, transform.soft, _scale)

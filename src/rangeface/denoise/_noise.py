@@ -11,11 +11,13 @@ from rangeface.types import Float32, RangeImage
 def sigma_map(image: RangeImage) -> Float32:
     """Standard deviation of every pixel, mm, (H, W): σ of the sensor, else one estimate.
 
-    Holes, and gaps in a sensor's σ (not finite, not positive), take the median of the rest. An
+    Holes, and gaps in a sensor's σ (not finite, negative), take the median of the rest. An
     image too small or too full of holes to be judged counts as free of noise.
     """
     estimate = np.full(image.shape, np.nan, np.float32) if image.sigma is None else image.sigma
-    known = image.mask & np.isfinite(estimate) & (estimate > 0)
+    known = image.mask & np.isfinite(estimate) & (estimate >= 0)
+    if known.all():
+        return estimate
     if known.any():
         middle = np.median(estimate[known])
     else:

@@ -16,6 +16,7 @@ from rangeface.describe._curvature import curvature
 from rangeface.describe._curvature_sigma import curvature_sigma
 from rangeface.describe._depth import depth
 from rangeface.describe._depth_levels import depth_levels
+from rangeface.describe._dtcwt import dtcwt
 from rangeface.describe._gabor import gabor
 from rangeface.describe._hog import hog
 from rangeface.describe._horizontal_profile import (
@@ -32,6 +33,7 @@ from rangeface.describe._n3 import n3
 from rangeface.describe._normal_angle import normal_angle
 from rangeface.describe._normals import normals
 from rangeface.describe._normals_covariance import normals_covariance
+from rangeface.describe._profiles import profiles
 from rangeface.describe._radial_curves import radial_curves
 from rangeface.describe._tdlbp import tdlbp
 from rangeface.describe._tdlbp_histogram import tdlbp_histogram
@@ -69,7 +71,9 @@ METHODS = {
     "lhg": lhg,
     "vertical_profile": vertical_profile,
     "horizontal_profile": horizontal_profile,
+    "profiles": profiles,
     "radial_curves": radial_curves,
+    "dtcwt": dtcwt,
     "gabor": gabor,
     "hog": hog,
     "block_covariance": block_covariance,
@@ -94,7 +98,9 @@ OUTPUTS = {
     "lhg": Output("image", -_INF, _INF),
     "vertical_profile": Output("vector", -_INF, _INF),
     "horizontal_profile": Output("vector", -_INF, _INF),
+    "profiles": Output("vector", -_INF, _INF),
     "radial_curves": Output("vector", -_INF, _INF),
+    "dtcwt": Output("vector", 0.0, _INF),
     "gabor": Output("channels", 0.0, _INF),
     "hog": Output("histogram", 0.0, 1.0),
     "block_covariance": Output("vector", -_INF, _INF),
@@ -121,6 +127,7 @@ __all__ = [
     "curvature_sigma",
     "depth",
     "depth_levels",
+    "dtcwt",
     "gabor",
     "hog",
     "horizontal_curve",
@@ -135,6 +142,7 @@ __all__ = [
     "normals",
     "normals_covariance",
     "profile_height",
+    "profiles",
     "radial_curves",
     "symmetry_line",
     "tdlbp",

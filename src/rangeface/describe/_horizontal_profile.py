@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from rangeface.describe._frontal import camera_of
@@ -91,12 +93,34 @@ def horizontal_curve(
     arc_length: bool = True,
 ) -> Float32:
     """The profile of `horizontal_profile` with its gaps marked by NaN."""
+    return horizontal_curves(
+        image,
+        [profile_height(image, at, forehead_mm=forehead_mm)],
+        reach_mm=reach_mm,
+        points=points,
+        half_width_mm=half_width_mm,
+        smooth_mm=smooth_mm,
+        arc_length=arc_length,
+    )[0]
+
+
+def horizontal_curves(
+    image: RangeImage,
+    heights_mm: Sequence[float],
+    *,
+    reach_mm: float,
+    points: int,
+    half_width_mm: float,
+    smooth_mm: float,
+    arc_length: bool,
+) -> Float32:
+    """Horizontal profiles (n, points) at heights y, mm, gaps marked by NaN."""
     camera = camera_of(image)
-    y_mm = profile_height(image, at, forehead_mm=forehead_mm)
+    rows = camera.cy + np.asarray(heights_mm) / camera.pitch_mm
     return profiles.lines(
         image.depth,
-        (camera.cx, camera.cy + y_mm / camera.pitch_mm),
-        [0.0],
+        np.stack([np.full_like(rows, camera.cx), rows], axis=-1),
+        0.0,
         pitch=camera.pitch_mm,
         reach=reach_mm,
         points=points,
@@ -104,15 +128,17 @@ def horizontal_curve(
         smoothing=smooth_mm,
         arc_length=arc_length,
         sigma=image.sigma,
-    )[0]
+    )
 
 
 def profile_height(image: RangeImage, at: str, *, forehead_mm: float = 28.0) -> float:
     """Height y, mm (down is positive), at which a horizontal profile cuts the face."""
     if at not in PLACES:
         raise ParameterError(f"at: must be one of {PLACES}, got {at!r}")
-    if at == "nose":
-        return 0.0
+    return 0.0 if at == "nose" else root_height(image) - (forehead_mm if at == "forehead" else 0.0)
+
+
+def root_height(image: RangeImage) -> float:
+    """Height y, mm, of the root of the nose on the central line."""
     central = vertical_curve(image, arc_length=False)
-    root_mm = profiles.nose_root(central, np.linspace(-70.0, 70.0, central.size))
-    return root_mm if at == "root" else root_mm - forehead_mm
+    return profiles.nose_root(central, np.linspace(-70.0, 70.0, central.size))

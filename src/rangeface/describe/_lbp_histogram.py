@@ -41,8 +41,8 @@ def lbp_histogram(
     -------
     (n,) float32
         0 … 1, every region's histogram summing to 1, scale after scale. Holes are not counted;
-        a region of holes has the histogram of the whole face. Compare with `chi_square` or
-        `intersection` of `rangeface.numerics.histograms`.
+        a region of holes has the histogram of the whole face. Compare by χ² or
+        intersection: `rangeface.numerics.similarity`.
 
     Raises
     ------

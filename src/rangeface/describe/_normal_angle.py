@@ -29,7 +29,7 @@ def normal_angle(
     Returns
     -------
     (H, W) float32
-        rad; in (−π, π] where wrapped. A pixel without a normal has the mean of the others.
+        rad; in (−π, π] where wrapped, of weighted mean 0 where unwrapped. A pixel without a normal has the mean of the others.
 
     Raises
     ------
@@ -42,7 +42,9 @@ def normal_angle(
     -----
     The weight of a pixel is sin θ = √(N₁² + N₂²), because noise in N turns into noise of the
     angle as 1/sin θ. Around a peak such as the nose tip the angle runs once through 2π, which
-    no surface can follow: what is returned there is the least-squares compromise.
+    no surface can follow: what is returned there is the least-squares compromise. Opposite
+    cheeks have opposite angles, so the constant of that surface is next to undetermined; it is
+    set so that the weighted mean is 0.
 
     References
     ----------
@@ -61,6 +63,7 @@ def normal_angle(
     angle = sphere.polar_stereographic(N)[..., 1]
     if unwrapped and np.isfinite(angle).any():
         known = np.isfinite(angle)
-        weight = np.where(known, np.hypot(N[..., 0], N[..., 1]), 0.0)
-        angle = np.where(known, unwrap(angle, weight + 1e-6 * known), np.nan)
+        weight = np.where(known, np.hypot(N[..., 0], N[..., 1]) + 1e-6, 0.0)
+        surface = unwrap(angle, weight)
+        angle = np.where(known, surface - np.average(surface, weights=weight), np.nan)
     return holes.fill_mean(angle)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from rangeface.evaluation.error_rates import (
 )
 from rangeface.gallery import stack
 from rangeface.pipeline import FacePipeline, Trace
-from rangeface.types import Float64, Scan
+from rangeface.types import Float64, RangeImage, Scan
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +44,10 @@ class Capture:
     def acquired(self) -> bool:
         """Whether it reached the frontal grid."""
         return self.trace is not None and self.trace.frontal is not None
+
+
+#: Capture → its frontal image and the rotated ones.
+Views: TypeAlias = dict[Capture, list[RangeImage]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,16 +120,7 @@ class Rates:
         return out
 
 
-@dataclass
-class Progress:
-    """How a long run tells its caller where it is: `advance` is called after every scan."""
-
-    advance: Callable[[str], None] = field(default=lambda _: None)
-
-
-def acquire(
-    pipeline: FacePipeline, scans: Iterable[Scan], *, progress: Progress | None = None
-) -> list[Capture]:
+def acquire(pipeline: FacePipeline, scans: Iterable[Scan]) -> list[Capture]:
     """Load and trace every scan; what fails is counted, and the run goes on.
 
     Parameters
@@ -133,14 +128,12 @@ def acquire(
     pipeline : FacePipeline
         Fitted or not: only what stands before the heads matters.
     scans : iterable of Scan
-    progress : Progress, optional
 
     Returns
     -------
     list of Capture
         One a scan, in order.
     """
-    progress = progress or Progress()
     captures = []
     for scan in scans:
         try:
@@ -148,7 +141,6 @@ def acquire(
             captures.append(Capture(scan, trace, trace.reason.value if trace.reason else ""))
         except ScanError as error:
             captures.append(Capture(scan, None, str(error)))
-        progress.advance(scan.subject)
     return captures
 
 
@@ -157,6 +149,7 @@ def compare(
     captures: Sequence[Capture],
     *,
     training: Sequence[Capture] | None = None,
+    views: Views | None = None,
 ) -> Scores:
     """Fit on the training captures, enrol the gallery, and score every probe.
 
@@ -168,6 +161,8 @@ def compare(
         Roles "gallery" and "probe" (and "train").
     training : sequence of Capture, optional
         Default: those of role "train"; if there is none, the gallery itself.
+    views : dict, optional
+        Frontal views that a run with other heads has already made; filled here.
 
     Returns
     -------
@@ -194,12 +189,13 @@ def compare(
         raise NoFaceError(
             f"no face in any of {len(gallery)} gallery and {len(training)} training scans"
         )
-    views = {
-        id(c): pipeline.views(_trace(c)) for c in {id(c): c for c in usable + enrolled}.values()
-    }
-    fitted = pipeline.fit_views([views[id(c)] for c in usable], [c.scan.subject for c in usable])
+    views = {} if views is None else views
+    for capture in (*usable, *enrolled):
+        if capture not in views:
+            views[capture] = pipeline.views(_trace(capture))
+    fitted = pipeline.fit_views([views[c] for c in usable], [c.scan.subject for c in usable])
     references = stack(
-        ((c.scan.subject, fitted.template_of(views[id(c)])) for c in enrolled), fitted.fingerprint
+        ((c.scan.subject, fitted.template_of(views[c])) for c in enrolled), fitted.fingerprint
     )
     people = tuple(sorted({c.scan.subject for c in gallery}))
     column = [people.index(subject) for subject in references.subjects]

@@ -1,6 +1,7 @@
 """Scan files in, scan files out: one file a format; units are stated here and nowhere else."""
 
 from rangeface.io._cloud import unit_mm
+from rangeface.io._describe import Description, describe_scan
 from rangeface.io._formats import FORMATS, Format
 from rangeface.io._read import read_frames, read_points, read_scan
 from rangeface.io._source import Limits
@@ -13,8 +14,10 @@ __all__ = [
     "FORMATS",
     "WRITERS",
     "CameraFile",
+    "Description",
     "Format",
     "Limits",
+    "describe_scan",
     "read_camera",
     "read_frames",
     "read_landmarks",

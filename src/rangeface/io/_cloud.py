@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rangeface.errors import ParameterError, ScanFault, UnitError
 from rangeface.io._source import Source
+from rangeface.numerics.pointset import compact, to_frame
 from rangeface.types import PointSet
 
 _UNIT_MM = {"um": 1e-3, "0.1mm": 0.1, "mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
@@ -115,29 +116,24 @@ class Cloud:
 
     def camera_points(self, scale_mm: float, rotation: ArrayLike) -> NDArray[np.float32]:
         """The points in mm and the camera's axes, same shape, NaN where invalid."""
-        with np.errstate(over="ignore", invalid="ignore"):
-            points = np.asarray(self.points, dtype=np.float64) * scale_mm
-            bad = ~(np.abs(points) <= _FARTHEST_MM).all(axis=-1)
-            points[bad] = np.nan
-            return np.asarray(points @ np.asarray(rotation).T, dtype=np.float32)
+        points = np.ascontiguousarray(self.points)
+        if points.dtype != np.float32:
+            points = points.astype(np.float64, copy=False)
+        matrix = scale_mm * np.asarray(rotation, dtype=np.float64)
+        return to_frame(points.reshape(-1, 3), matrix, _FARTHEST_MM).reshape(points.shape)
 
 
 def point_set(source: Source, points: NDArray[np.float32], triangles: ArrayLike | None) -> PointSet:
-    """The finite points (n, 3) mm, with the triangles that lie between them."""
-    valid = np.asarray(np.isfinite(points).all(axis=1))
-    if not valid.any():
+    """The valid points (n, 3) mm, with the triangles that lie between them."""
+    faces = np.empty((0, 3), np.int64) if triangles is None else np.asarray(triangles, np.int64)
+    valid, kept, wrong = compact(points, faces)
+    if wrong >= 0:
+        raise source.error(
+            ScanFault.MALFORMED, f"a face names a point that is not among the {len(points)}"
+        )
+    if not len(valid):
         raise source.error(ScanFault.NO_VALID_PIXELS, f"none of {len(points)} points is valid")
-    faces = None
-    if triangles is not None:
-        faces = check_indices(source, np.asarray(triangles), len(points))
-    if not valid.all():
-        points = points[valid]
-        if faces is not None:
-            number = np.cumsum(valid) - 1
-            faces = number[faces[valid[faces].all(axis=1)]]
-    if faces is not None and not len(faces):
-        faces = None
-    return PointSet(points, None if faces is None else faces.astype(np.int32))
+    return PointSet(valid, kept if len(kept) else None)
 
 
 def check_indices(

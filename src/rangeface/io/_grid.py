@@ -29,6 +29,8 @@ def fit_pinhole(points: NDArray[np.float32], *, max_error_px: float = 0.5) -> Pi
     (fx, cx, error_u), (fy, cy, error_v) = (fit for fit in fits if fit is not None)
     if np.quantile(np.maximum(error_u, error_v), 0.95) > max_error_px:
         return None
+    if not (min(fx, fy) >= 1e-3 and max(fx, fy, abs(cx), abs(cy)) <= 1e6):
+        return None
     try:
         return Pinhole(fx, fy, cx, cy, width, height)
     except ParameterError:

@@ -81,6 +81,23 @@ def read_scan(
         >>> type(image.camera).__name__, float(image.depth[10, 10])
         ('Orthographic', 700.0)
     """
+    _, _, image = open_scan(
+        path, camera=camera, unit=unit, front=front, up=up, pitch_mm=pitch_mm, limits=limits
+    )
+    return image
+
+
+def open_scan(
+    path: str | Path,
+    *,
+    camera: Camera | None,
+    unit: str | None,
+    front: str | None,
+    up: str | None,
+    pitch_mm: float,
+    limits: Limits | None,
+) -> tuple[Source, str, RangeImage]:
+    """The source, the name of its format and the image: what `read_scan` reads, with its origin."""
     if not (np.isfinite(pitch_mm) and pitch_mm > 0):
         raise ParameterError(f"pitch_mm must be > 0, got {pitch_mm}")
     source = _unpacked(Source.open(path, limits, camera, unit))
@@ -89,7 +106,9 @@ def read_scan(
         image = _seen(source, name, content, front, up, pitch_mm)
     else:
         image = content
-    return _checked(source, image)
+    if not image.mask.any():
+        raise source.error(ScanFault.NO_VALID_PIXELS, f"none of {image.mask.size} pixels is valid")
+    return source, name, image
 
 
 def read_points(
@@ -171,12 +190,6 @@ def _unpacked(source: Source) -> Source:
     return replace(source, data=source.inflate([source.data], 31))
 
 
-def _checked(source: Source, image: RangeImage) -> RangeImage:
-    if not image.mask.any():
-        raise source.error(ScanFault.NO_VALID_PIXELS, f"none of {image.mask.size} pixels is valid")
-    return image
-
-
 def _seen(
     source: Source, name: str, cloud: Cloud, front: str | None, up: str | None, pitch_mm: float
 ) -> RangeImage:
@@ -196,7 +209,8 @@ def _parse(source: Source) -> tuple[str, RangeImage | Cloud]:
     """Content of a source; whatever a reader trips over becomes a ScanError."""
     name = identify(source)
     try:
-        return name, FORMATS[name].parse(source)
+        with np.errstate(all="ignore"):  # wild numbers are found where they are checked
+            return name, FORMATS[name].parse(source)
     except ScanError:
         raise
     except RangeFaceError as fault:

@@ -8,6 +8,7 @@ from scipy import ndimage
 
 from rangeface.errors import ScanFault
 from rangeface.io._source import Source
+from rangeface.numerics.pointset import covered
 from rangeface.numerics.splat import splat
 from rangeface.numerics.zbuffer import rasterise
 from rangeface.types import Camera, Orthographic, Pinhole, PointSet, RangeImage
@@ -31,7 +32,7 @@ def virtual_camera(
     points = cloud.points
     if camera is None:
         low, high = _main_box(points)
-        inside = np.asarray(((points >= low) & (points <= high)).all(axis=1))
+        inside = _within(points, low, high)
         camera = _frame(source, low, high, pitch_mm)
     else:
         inside = np.ones(len(points), dtype=bool)
@@ -49,22 +50,33 @@ def virtual_camera(
     return RangeImage(depth, camera)
 
 
+def _within(
+    points: NDArray[np.float32], low: NDArray[np.float32], high: NDArray[np.float32]
+) -> NDArray[np.bool_]:
+    inside = np.ones(len(points), dtype=bool)
+    for axis in range(3):  # by column: a reduction over three is slow
+        inside &= (points[:, axis] >= low[axis]) & (points[:, axis] <= high[axis])
+    return inside
+
+
 def _main_box(points: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Corners of the box around the largest cluster, margin included."""
     centre = np.median(points, axis=0)
-    near = points[(np.abs(points - centre) <= _REACH_MM).all(axis=1)]
+    near = points[_within(points, centre - _REACH_MM, centre + _REACH_MM)]
     if not len(near):
         near = points
-    spread = np.quantile(near, (0.05, 0.95), axis=0)
-    cell = max(_CELL_MM, 4.0 * float(np.linalg.norm(spread[1] - spread[0])) / np.sqrt(len(near)))
+    sample = near[:: max(len(near) // 4096, 1)]
+    spread = float(np.linalg.norm(np.ptp(np.quantile(sample, (0.05, 0.95), axis=0), axis=0)))
+    cell = max(_CELL_MM, 4.0 * spread / np.sqrt(len(near)))
     origin = near.min(axis=0)
     cells = np.minimum(((near - origin) / cell).astype(np.int64), 255)
-    occupied = np.zeros(cells.max(axis=0) + 1, dtype=np.int32)
-    np.add.at(occupied, tuple(cells.T), 1)
-    labels, count = ndimage.label(occupied, structure=np.ones((3, 3, 3)))
+    shape = tuple(cells.max(axis=0) + 1)
+    flat = np.ravel_multi_index(tuple(cells.T), shape)
+    occupied = np.bincount(flat, minlength=int(np.prod(shape)))
+    labels, count = ndimage.label(occupied.reshape(shape), structure=np.ones((3, 3, 3)))
     if count > 1:
-        sizes = np.bincount(labels.ravel(), weights=occupied.ravel())
-        near = near[labels[tuple(cells.T)] == 1 + sizes[1:].argmax()]
+        sizes = np.bincount(labels.ravel(), weights=occupied)
+        near = near[labels.ravel()[flat] == 1 + sizes[1:].argmax()]
     return near.min(axis=0) - _MARGIN_MM, near.max(axis=0) + _MARGIN_MM
 
 
@@ -92,10 +104,7 @@ def _frame(
 def _draw_mesh(
     source: Source, camera: Camera, points: NDArray[np.float32], triangles: NDArray[np.int32]
 ) -> NDArray[np.float32]:
-    size = np.array([camera.width, camera.height])
-    with np.errstate(invalid="ignore"):
-        boxes = np.clip(camera.project(points)[triangles], 0, size - 1)
-        area = np.nansum(np.prod(np.ptp(boxes, axis=1) + 1, axis=-1))
+    area = covered(camera.project(points), triangles, camera.width, camera.height)
     most = _OVERDRAW * source.limits.max_pixels
     if area > most:
         raise source.error(

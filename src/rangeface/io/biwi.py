@@ -114,7 +114,7 @@ def read_pose(path: str | Path) -> RigidTransform:
     The binary file's angles are composed as R = R_z(roll) R_y(yaw) R_x(pitch).
     """
     source = Source.open(path, _SMALL)
-    if len(source.data) == 24:
+    if len(source.data) == 24 and source.path.suffix.lower() != ".txt":
         values = np.frombuffer(source.data, "<f4").astype(np.float64)
         rotation, translation = _euler(np.deg2rad(values[3:])), values[:3]
     else:

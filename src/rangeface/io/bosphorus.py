@@ -47,8 +47,8 @@ def parse(source: Source) -> Cloud:
         )
     source.need(start, 8 * count, f"{count} values")
     planes = np.frombuffer(source.data, "<f8", 3 * rows * columns, start)
-    points = planes.reshape(3, rows, columns)[:, ::-1].transpose(1, 2, 0).copy()
-    points[~(points[..., 2] > zmin)] = np.nan
+    points = np.stack(list(planes.reshape(3, rows, columns)[:, ::-1]), axis=2)
+    points[~(points[..., 2] > zmin), 2] = np.nan
     return Cloud(points)
 
 

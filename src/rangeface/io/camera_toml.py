@@ -128,6 +128,23 @@ def _scale_mm(source: Source, keys: dict[str, Any]) -> float | None:
     return float(scale)
 
 
+def _check_sane(source: Source, camera: Camera) -> None:
+    """Refuse a camera that no optics have: its points would overflow."""
+    sizes = (
+        {"pitch_mm": camera.pitch_mm}
+        if isinstance(camera, Orthographic)
+        else {"fx": camera.fx, "fy": camera.fy}
+    )
+    for name, value in sizes.items():
+        if not 1e-3 <= value <= 1e6:
+            raise source.error(ScanFault.BAD_CAMERA, f"{name} = {value:.3g} is out of bounds")
+    for name in ("cx", "cy"):
+        if not abs(getattr(camera, name)) <= 1e6:
+            raise source.error(
+                ScanFault.BAD_CAMERA, f"{name} = {getattr(camera, name):.3g} is out of bounds"
+            )
+
+
 def depth_image(
     source: Source, raw: NDArray[Any], *, unit: str | None = None, camera: Camera | None = None
 ) -> RangeImage:
@@ -151,6 +168,7 @@ def depth_image(
             ScanFault.BAD_CAMERA,
             f"no camera known: put {source.path.stem}.toml or camera.toml beside it",
         )
+    _check_sane(source, stated)
     if (stated.width, stated.height) != (width, height):
         raise source.error(
             ScanFault.WRONG_SIZE,
@@ -158,7 +176,8 @@ def depth_image(
         )
     if source.unit is not None or scale is None:
         scale = source_unit_mm(source, unit)
-    depth = raw.astype(np.float64) * scale
+    with np.errstate(over="ignore", invalid="ignore"):  # signalling NaN, values near the largest
+        depth = raw.astype(np.float64) * scale
     valid = (depth > 0) & (depth <= 1e6)
     if raw.dtype == np.uint16:
         valid &= raw < 65535

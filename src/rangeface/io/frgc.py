@@ -42,6 +42,6 @@ def parse(source: Source) -> Cloud:
         fault = ScanFault.MALFORMED if bad else ScanFault.TRUNCATED
         raise source.error(fault, f"{len(values)} of {4 * count} numbers, then {bad!r}")
     blocks = values.reshape(4, rows, columns)
-    points = blocks[1:].transpose(1, 2, 0).copy()
-    points[~(blocks[0] > 0)] = np.nan
+    points = np.stack(list(blocks[1:]), axis=2)
+    points[~(blocks[0] > 0), 2] = np.nan
     return Cloud(points)

@@ -91,7 +91,8 @@ def _messages(source: Source) -> Iterator[tuple[_Channel, memoryview]]:
         try:
             cursor = _Cursor(body, ros1=True)
             if kind == _SCHEMA:
-                schemas[cursor.number("H")] = cursor.text()
+                number = cursor.number("H")
+                schemas[number] = cursor.text()
             elif kind == _CHANNEL:
                 number, schema = cursor.number("H"), cursor.number("H")
                 name = schemas.get(schema, "").rsplit("/", 1)[-1]
@@ -134,6 +135,8 @@ def _chunk(source: Source, body: memoryview) -> memoryview:
     packed = cursor.rest()
     if packing == "":
         return packed
+    if packing not in ("zstd", "lz4"):
+        raise source.error(ScanFault.UNSUPPORTED, f"chunks in {packing[:20]!r}")
     if expanded > source.limits.expanded(len(packed)):
         raise source.error(ScanFault.TOO_LARGE, f"a chunk expands to {expanded} bytes")
     return memoryview(_expand(source, packing, bytes(packed), expanded))

@@ -11,6 +11,7 @@ import ast
 import io
 import struct
 import zipfile
+import zlib
 from typing import Any
 
 import numpy as np
@@ -90,6 +91,8 @@ def _arrays(source: Source) -> dict[str, NDArray[np.generic]]:
 def _array(source: Source, entry: zipfile.ZipInfo) -> NDArray[np.generic]:
     """One array: the entry located by hand, so that the expansion stops at the limits."""
     start = entry.header_offset
+    if start < 0:
+        raise source.error(ScanFault.MALFORMED, f"entry {entry.filename} lies before the file")
     source.need(start, 30, f"entry {entry.filename}")
     magic, flags, method, name, extra = struct.unpack_from("<I2xHH16xHH", source.data, start)
     if magic != 0x04034B50 or flags & 1 or method not in (0, 8):
@@ -97,7 +100,10 @@ def _array(source: Source, entry: zipfile.ZipInfo) -> NDArray[np.generic]:
     start += 30 + name + extra
     source.need(start, entry.compress_size, f"entry {entry.filename}")
     body = source.data[start : start + entry.compress_size]
-    return _npy(source, source.inflate([body], -15) if method else body, entry.filename)
+    data = source.inflate([body], -15) if method else body
+    if zlib.crc32(data) != entry.CRC:
+        raise source.error(ScanFault.MALFORMED, f"check sum of {entry.filename} is wrong")
+    return _npy(source, data, entry.filename)
 
 
 def _npy(source: Source, data: bytes, name: str) -> NDArray[np.generic]:

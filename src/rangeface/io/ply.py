@@ -69,7 +69,8 @@ def parse(source: Source) -> Cloud:
         if element.name == "vertex" and points is None:
             points = reader.vertices(element)
         elif element.name == "face" and element.indices >= 0:
-            triangles = fan(*reversed(reader.lists(element)))
+            sizes, corners = reader.lists(element)
+            triangles = corners.reshape(-1, 3) if (sizes == 3).all() else fan(corners, sizes)
         elif element.name == "tristrips" and element.indices >= 0:
             triangles = walk.strip_triangles(reader.lists(element)[1])
         elif element.name == "range_grid" and element.indices >= 0:
@@ -186,6 +187,9 @@ class _Binary(_Reader):
         return np.stack([table[axis].astype(np.float64) for axis in "xyz"], axis=1)
 
     def walk(self, element: _Element, wanted: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        alike = self.alike(element) if wanted >= 0 else None
+        if alike is not None:
+            return alike
         layout = np.array(element.layout, dtype=np.int64).reshape(-1, 2)
         none = np.empty(0, dtype=np.int64)
         data, big = self.source.array, self.order == ">"
@@ -200,6 +204,22 @@ class _Binary(_Reader):
             walk.walk_binary(*where, counts, items)
         self.at = stop
         return counts, items
+
+    def alike(self, element: _Element) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
+        """The only list of an element at once, where all rows have as many values as the first."""
+        [(_, value), *others] = element.layout
+        data = self.source.array[self.at :]
+        if others or element.layout[0][0] > 1 or not element.count or not len(data):
+            return None
+        kind = np.dtype(self.order + _DTYPES[value])
+        row = np.dtype([("n", "u1"), ("items", kind, (int(data[0]),))])
+        if element.count * row.itemsize > len(data):
+            return None
+        table = np.frombuffer(data, row, element.count)
+        if not (table["n"] == data[0]).all():
+            return None
+        self.at += element.count * row.itemsize
+        return table["n"].astype(np.int64), table["items"].astype(np.int64).ravel()
 
 
 class _Text(_Reader):

@@ -21,7 +21,7 @@ from rangeface.numerics.lines import first_line
 from rangeface.numerics.text import numbers
 from rangeface.types import Pinhole, RangeImage
 
-_TITLE = re.compile(rb"(?:^|[\r\n])[ \t]*[%#]?[ \t]*([A-Za-z][^\r\n]*)")
+_TITLE = re.compile(rb"(?:^|[\r\n])[ \t]*+(?:[%#][ \t]*+)?([A-Za-z][^\r\n]*+)")
 _PLANES = {
     "z": ("distance", "depth", "zvector", "range"),
     "x": ("xvector", "xcoord", "calibratedx"),

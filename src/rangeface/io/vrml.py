@@ -25,15 +25,15 @@ from rangeface.numerics.se3 import rotation_matrix
 from rangeface.numerics.text import numbers
 
 _TOKEN = re.compile(
-    rb"""(?:[\s,]+|\#[^\r\n]*)*                 # white space, commas and comments
-    (?: (?P<number>[-+]?\.?\d[^\s,{}\[\]\#"]*)
-      | (?P<word>[^\s,{}\[\]\#"]+)
+    rb"""(?:[\s,]++|\#[^\r\n]*+)*+              # white space, commas and comments
+    (?: (?P<number>[-+]?\.?\d[^\s,{}\[\]\#"]*+)
+      | (?P<word>[^\s,{}\[\]\#"]++)
       | (?P<mark>[{}\[\]])
       | (?P<text>"(?:[^"\\]|\\.)*+") )""",
     re.VERBOSE | re.DOTALL,
 )
-_MAX_TOKENS = 200_000  # outside of number lists; a scan has a few hundred
-_MAX_VISITS = 20_000  # nodes drawn, those drawn by USE counted again
+_MAX_TOKENS = 100_000  # outside of number lists; a scan has a few hundred
+_MAX_VISITS = 5_000  # nodes drawn, those drawn by USE counted again
 
 _GROUPS_1 = {"Separator", "TransformSeparator", "WWWAnchor", "Group"}
 _GROUPS_2 = {"Group", "Transform", "Anchor", "Collision", "Billboard", "Shape"}
@@ -208,6 +208,7 @@ class _Scene:
         self.triangles: list[NDArray[np.int64]] = []
         self.spare: list[tuple[_Node, NDArray[np.float64]]] = []
         self.drawn: dict[tuple[int, bytes], int] = {}
+        self.matrices: dict[int, NDArray[np.float64]] = {}
 
     def cloud(self) -> Cloud:
         """Everything drawn; coordinates that no shape uses count where nothing else does."""
@@ -243,13 +244,20 @@ class _Scene:
                 inner = _State(state.matrix, state.coordinates)
                 self.draw_all(node.children, inner, depth + 1)
             elif self.old and node.kind in _MOVES:
-                state.matrix = state.matrix @ _matrix(node, self.old)
+                state.matrix = state.matrix @ self.matrix(node)
             elif not self.old and node.kind in _GROUPS_2:
                 moved = node.kind == "Transform"
-                inner_matrix = state.matrix @ _matrix(node, False) if moved else state.matrix
+                inner_matrix = state.matrix @ self.matrix(node) if moved else state.matrix
                 self.draw(node.children, inner_matrix, depth + 1)
 
+    def matrix(self, node: _Node) -> NDArray[np.float64]:
+        """Matrix of a transform node, made once however often it is used."""
+        if id(node) not in self.matrices:
+            self.matrices[id(node)] = _matrix(node, self.old)
+        return self.matrices[id(node)]
+
     def shape(self, node: _Node, state: _State) -> None:
+        """Draw an IndexedFaceSet or a PointSet with the coordinates that hold for it."""
         own = [n for n in node.children if n.kind in ("Coordinate", "Coordinate3")]
         coordinates = own[0] if own else state.coordinates
         if coordinates is None:

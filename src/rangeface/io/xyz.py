@@ -14,11 +14,11 @@ from rangeface.io._cloud import Cloud
 from rangeface.io._source import Source
 from rangeface.numerics.lines import count_rows, read_table
 
-_NUMBER = rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?[nN][aA][nN]"
+_NUMBER = rb"[-+]?(?:\d++(?:\.\d*+)?+|\.\d++)(?:[eE][-+]?\d++)?+|[-+]?[nN][aA][nN]"
 _POINT = re.compile(rb"[ \t]*(?:%s)(?:[ \t]*[,;][ \t]*|[ \t]+)(?:%s)(?:[ \t]*[,;][ \t]*|[ \t]+)"
                     rb"(?:%s)(?=[\s,;]|$)" % ((_NUMBER,) * 3))  # fmt: skip
 _TITLE = re.compile(
-    rb"(?:[ \t]*(?://|#|[\"A-Za-z]|\d+[ \t]*[\r\n])[^\r\n]*[\r\n]+|[ \t\r\n]+){0,64}"
+    rb"(?:[ \t]*+(?://|#|[\"A-Za-z]|\d++[ \t]*+[\r\n])[^\r\n]*+[\r\n]*+|[ \t]*+[\r\n]++){0,64}+"
 )
 
 

@@ -63,38 +63,36 @@ def smooth(images: ArrayLike, sigma_px: float) -> Float32:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _accumulate(target, source, weight):  # type: ignore[no-untyped-def]
-    for u in range(target.size):
-        target[u] += weight * source[u]
+def _accumulate(weight, value, certainty, total, mass):  # type: ignore[no-untyped-def]
+    for u in range(total.size):
+        total[u] += weight * value[u]
+        mass[u] += weight * certainty[u]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _smooth(images, kernel, out):  # type: ignore[no-untyped-def]
     n, height, width = images.shape
     reach = kernel.size // 2
-    # values and certainties, between margins of nothing
-    value = np.zeros((height + 2 * reach, width + 2 * reach), np.float32)
-    certainty = np.zeros_like(value)
-    row, row_certainty = np.empty((2, width + 2 * reach), np.float32)
+    zero, one = np.float32(0.0), np.float32(1.0)
+    # values and certainties, columns between margins of nothing
+    value, certainty = np.zeros((2, height, width + 2 * reach), np.float32)
+    total, mass = np.empty((2, width + 2 * reach), np.float32)
+    row, row_mass = np.empty((2, width), np.float32)
     for i in range(n):
         for v in range(height):
+            f, target, known = images[i, v], value[v, reach:], certainty[v, reach:]
             for u in range(width):
-                f = images[i, v, u]
-                valid = f == f
-                value[v + reach, u + reach] = f if valid else np.float32(0.0)
-                certainty[v + reach, u + reach] = np.float32(1.0) if valid else np.float32(0.0)
+                target[u] = f[u] if f[u] == f[u] else zero
+                known[u] = one if f[u] == f[u] else zero
         for v in range(height):
-            row[:] = np.float32(0.0)
-            row_certainty[:] = np.float32(0.0)
+            total[:] = zero
+            mass[:] = zero
+            for r in range(max(v - reach, 0), min(v + reach + 1, height)):
+                _accumulate(kernel[r - v + reach], value[r], certainty[r], total, mass)
+            row[:] = zero
+            row_mass[:] = zero
             for k in range(kernel.size):
-                _accumulate(row, value[v + k], kernel[k])
-                _accumulate(row_certainty, certainty[v + k], kernel[k])
-            target = out[i, v]
-            total = np.zeros(width, np.float32)
-            target[:] = np.float32(0.0)
-            for k in range(kernel.size):
-                _accumulate(target, row[k : k + width], kernel[k])
-                _accumulate(total, row_certainty[k : k + width], kernel[k])
+                _accumulate(kernel[k], total[k:], mass[k:], row, row_mass)
+            f, target = images[i, v], out[i, v]
             for u in range(width):
-                f = images[i, v, u]
-                target[u] = target[u] / total[u] if f == f else f
+                target[u] = row[u] / row_mass[u] if f[u] == f[u] else f[u]

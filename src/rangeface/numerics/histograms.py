@@ -1,4 +1,4 @@
-"""Histograms of labels by region, and the distances that compare them."""
+"""Histograms of labels by region."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from rangeface.errors import DegenerateError, ParameterError
 
 Float32: TypeAlias = NDArray[np.float32]
-Float64: TypeAlias = NDArray[np.float64]
 
 
 def regional(
@@ -65,61 +64,3 @@ def regional(
     total = frequency.sum(axis=1, keepdims=True)
     whole = frequency.sum(axis=0) / frequency.sum()
     return np.where(total > 0, frequency / np.maximum(total, 1), whole).astype(np.float32).ravel()
-
-
-def chi_square(first: ArrayLike, second: ArrayLike) -> Float64:
-    r"""χ² distance between all pairs of histograms.
-
-    .. math:: χ^2(a, b) = \sum_i \frac{(a_i - b_i)^2}{a_i + b_i}
-
-    Parameters
-    ----------
-    first, second : (n, D), (m, D) array_like
-        Histograms ≥ 0.
-
-    Returns
-    -------
-    (n, m) float64
-        ≥ 0, 0 for equal histograms.
-
-    References
-    ----------
-    Ahonen et al. 2006, doi:10.1109/TPAMI.2006.244.
-
-    Examples
-    --------
-    >>> chi_square([[1.0, 0.0]], [[1.0, 0.0], [0.0, 1.0], [0.5, 0.5]]).round(4)
-    array([[0.    , 2.    , 0.6667]])
-    """
-    a, b = np.asarray(first, np.float64), np.asarray(second, np.float64)
-    out = np.empty((len(a), len(b)))
-    for i, row in enumerate(a):
-        total = row + b
-        out[i] = ((row - b) ** 2 / np.where(total > 0, total, 1.0)).sum(axis=1)
-    return out
-
-
-def intersection(first: ArrayLike, second: ArrayLike) -> Float64:
-    r"""Histogram intersection of all pairs: :math:`\sum_i \min(a_i, b_i)`.
-
-    Parameters
-    ----------
-    first, second : (n, D), (m, D) array_like
-        Histograms ≥ 0.
-
-    Returns
-    -------
-    (n, m) float64
-        Greater = more alike; the number of regions for equal regional histograms.
-
-    References
-    ----------
-    M. J. Swain, D. H. Ballard, IJCV 7(1), 1991, doi:10.1007/BF00130487.
-
-    Examples
-    --------
-    >>> intersection([[0.2, 0.8]], [[0.5, 0.5]])
-    array([[0.7]])
-    """
-    a, b = np.asarray(first, np.float64), np.asarray(second, np.float64)
-    return np.stack([np.minimum(row, b).sum(axis=1) for row in a])

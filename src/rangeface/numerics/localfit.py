@@ -16,6 +16,7 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from rangeface.errors import ParameterError
+from rangeface.numerics import cholesky
 from rangeface.numerics.batches import as_batch
 
 Float32: TypeAlias = NDArray[np.float32]
@@ -152,38 +153,6 @@ def _moments(f, w, weighted, v, u, radius, phi, A, y):  # type: ignore[no-untype
 
 
 @njit(cache=True, nogil=True)
-def _cholesky(A):  # type: ignore[no-untyped-def]
-    """Factor A = L Lᵀ in place; False where a pivot vanishes against its diagonal."""
-    k = A.shape[0]
-    for c in range(k):
-        diagonal = A[c, c]
-        for t in range(c):
-            A[c, c] -= A[c, t] * A[c, t]
-        if not A[c, c] > 1e-6 * diagonal:
-            return False
-        A[c, c] = np.sqrt(A[c, c])
-        for r in range(c + 1, k):
-            for t in range(c):
-                A[r, c] -= A[r, t] * A[c, t]
-            A[r, c] /= A[c, c]
-    return True
-
-
-@njit(cache=True, nogil=True)
-def _solve(L, y):  # type: ignore[no-untyped-def]
-    """Solve L Lᵀ c = y in place."""
-    k = y.size
-    for r in range(k):
-        for t in range(r):
-            y[r] -= L[r, t] * y[t]
-        y[r] /= L[r, r]
-    for r in range(k - 1, -1, -1):
-        for t in range(r + 1, k):
-            y[r] -= L[t, r] * y[t]
-        y[r] /= L[r, r]
-
-
-@njit(cache=True, nogil=True)
 def _fit(images, weights, weighted, radius, coefficients, covariance):  # type: ignore[no-untyped-def]
     n, height, width = images.shape
     k = coefficients.shape[3]
@@ -197,18 +166,18 @@ def _fit(images, weights, weighted, radius, coefficients, covariance):  # type: 
             for u in range(width):
                 here = images[m, v, u]
                 _moments(images[m], w, weighted, v, u, radius, phi, A, y)
-                if here != here or not _cholesky(A):
+                if here != here or not cholesky.factor(A):
                     coefficients[m, v, u] = np.nan
                     if covariance.size:
                         covariance[m, v, u] = np.nan
                     continue
-                _solve(A, y)
+                cholesky.solve(A, y)
                 for t in range(k):
                     coefficients[m, v, u, t] = y[t] * scale[t]
                 coefficients[m, v, u, 0] += here
                 for c in range(k if covariance.size else 0):
                     y[:] = 0.0
                     y[c] = 1.0
-                    _solve(A, y)
+                    cholesky.solve(A, y)
                     for t in range(k):
                         covariance[m, v, u, t, c] = y[t] * scale[t] * scale[c]

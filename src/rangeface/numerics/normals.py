@@ -266,15 +266,12 @@ def _pad(row, padded):  # type: ignore[no-untyped-def]
 
 
 @_inlined
-def _rows(image, v, above, here, below):  # type: ignore[no-untyped-def]
-    """Padded copies of row v and its neighbours; beyond the image they are NaN."""
-    _pad(image[v], here)
-    above[:] = np.nan
-    below[:] = np.nan
-    if v > 0:
-        _pad(image[v - 1], above)
-    if v + 1 < image.shape[0]:
-        _pad(image[v + 1], below)
+def _next_row(image, v, padded):  # type: ignore[no-untyped-def]
+    """Padded copy of row v; all NaN beyond the image."""
+    if v < image.shape[0]:
+        _pad(image[v], padded)
+    else:
+        padded[:] = np.nan
 
 
 @_inlined
@@ -319,14 +316,16 @@ def _from_points(points, normals):  # type: ignore[no-untyped-def]
 def _from_pinhole(depth, a, b, normals):  # type: ignore[no-untyped-def]
     n, height, width = depth.shape
     above, here, below = np.empty((3, width + 2), np.float32)
-    # the row seen from its neighbours, as views that one index walks
-    west, centre, east, north, south = here, here[1:], here[2:], above[1:], below[1:]
     a_west, a_centre, a_east = a, a[1:], a[2:]
     planes = np.empty((3, width), np.float32)
     NX, NY, NZ = planes
     for i in range(n):
+        above[:] = np.nan
+        _pad(depth[i, 0], here)
         for v in range(height):
-            _rows(depth[i], v, above, here, below)
+            _next_row(depth[i], v + 1, below)
+            # the row and its neighbours, as views that one index walks
+            west, centre, east, north, south = here, here[1:], here[2:], above[1:], below[1:]
             b0, b_up, b_down = b[v + 1], b[v], b[v + 2]
             for u in range(width):
                 z, a0 = centre[u], a_centre[u]
@@ -340,19 +339,23 @@ def _from_pinhole(depth, a, b, normals):  # type: ignore[no-untyped-def]
                 scale = _scale(z, nx, ny, nz)
                 NX[u], NY[u], NZ[u] = nx * scale, ny * scale, nz * scale
             _interleave(planes, normals[i, v])
+            above, here, below = here, below, above
 
 
 @_kernel
 def _from_orthographic(depth, pitch, normals):  # type: ignore[no-untyped-def]
     n, height, width = depth.shape
     above, here, below = np.empty((3, width + 2), np.float32)
-    west, centre, east, north, south = here, here[1:], here[2:], above[1:], below[1:]
     planes = np.empty((3, width), np.float32)
     NX, NY, NZ = planes
     zero = np.float32(0.0)
     for i in range(n):
+        above[:] = np.nan
+        _pad(depth[i, 0], here)
         for v in range(height):
-            _rows(depth[i], v, above, here, below)
+            _next_row(depth[i], v + 1, below)
+            # the row and its neighbours, as views that one index walks
+            west, centre, east, north, south = here, here[1:], here[2:], above[1:], below[1:]
             for u in range(width):
                 z = centre[u]
                 # ∂p/∂u = (X, 0, D), ∂p/∂v = (0, Y, E); a missing neighbour adds no length
@@ -367,3 +370,4 @@ def _from_orthographic(depth, pitch, normals):  # type: ignore[no-untyped-def]
                 scale = _scale(z, nx, ny, nz)
                 NX[u], NY[u], NZ[u] = nx * scale, ny * scale, nz * scale
             _interleave(planes, normals[i, v])
+            above, here, below = here, below, above

@@ -16,13 +16,14 @@ missing centre gives the code of a flat patch.
 from __future__ import annotations
 
 from functools import lru_cache
+from math import ceil, inf
 from typing import TypeAlias
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from rangeface.errors import ParameterError
+from rangeface.numerics import pattern_kernels as kernels
 from rangeface.numerics.batches import as_batch
 
 Float32: TypeAlias = NDArray[np.float32]
@@ -113,10 +114,13 @@ def lbp(
     np.float32(0.0)
     """
     check(points, radius_px, method)
-    batch, leading = as_batch(images, at_least=2 * int(np.ceil(radius_px)) + 1)
+    batch, leading = as_batch(images, at_least=2 * ceil(radius_px) + 1)
     labels = np.empty_like(batch)
-    offsets, weights = _circle(points, float(radius_px))
-    _lbp(batch, offsets, weights, _label_table(points, method), METHODS[method], labels)
+    table = _label_table(points, method)
+    if points == 8 and radius_px == 1:
+        kernels.lbp_eight(batch, table, labels)
+    else:
+        kernels.lbp(batch, *_circle(points, float(radius_px)), table, METHODS[method], labels)
     return labels.reshape(*leading, *batch.shape[1:])
 
 
@@ -163,12 +167,14 @@ def tdlbp(images: ArrayLike, *, radius_px: float = 1.0, unit: float = 1.0) -> Fl
     array([199.,   1.,  16., 131.], dtype=float32)
     """
     check(8, radius_px, "basic")
-    if not (np.isfinite(unit) and unit > 0):
+    if not 0 < unit < inf:
         raise ParameterError(f"unit: must be > 0, got {unit}")
-    batch, leading = as_batch(images, at_least=2 * int(np.ceil(radius_px)) + 1)
-    offsets, weights = _circle(8, float(radius_px))
+    batch, leading = as_batch(images, at_least=2 * ceil(radius_px) + 1)
     layers = np.empty((batch.shape[0], 4, *batch.shape[1:]), np.float32)
-    _tdlbp(batch, offsets, weights, np.float32(1.0 / unit), layers)
+    if radius_px == 1:
+        kernels.tdlbp_eight(batch, np.float32(1.0 / unit), layers)
+    else:
+        kernels.tdlbp(batch, *_circle(8, float(radius_px)), np.float32(1.0 / unit), layers)
     return layers.reshape(*leading, *layers.shape[1:])
 
 
@@ -178,7 +184,7 @@ def check(points: int, radius_px: float, method: str) -> None:
         raise ParameterError(f"points: P must be one of {POINTS}, got {points}")
     if method not in METHODS:
         raise ParameterError(f"method: must be one of {sorted(METHODS)}, got {method!r}")
-    if not (np.isfinite(radius_px) and radius_px > 0):
+    if not 0 < radius_px < inf:
         raise ParameterError(f"radius_px: must be > 0 px, got {radius_px}")
 
 
@@ -205,128 +211,5 @@ def _label_table(points: int, method: str) -> Float32:
     if points > 16:
         return np.empty(0, np.float32)
     table = np.empty(2**points, np.float32)
-    _fill_labels(table, points, METHODS[method])
+    kernels.fill_labels(table, points, METHODS[method])
     return table
-
-
-# ── kernels ──────────────────────────────────────────────────────────────────────────────
-
-
-@njit(cache=True, nogil=True)
-def _label(code, points, method):  # type: ignore[no-untyped-def]
-    if method == 0:
-        return code
-    everything = (1 << points) - 1
-    if method == 2:
-        smallest, turned = code, code
-        for _ in range(points - 1):
-            turned = (turned >> 1) | ((turned & 1) << (points - 1))
-            smallest = min(smallest, turned)
-        return smallest
-    # bit k of `starts`: the run of ones begins at neighbour k
-    starts = code & ~((code << 1) | (code >> (points - 1))) & everything
-    ones = 0
-    for k in range(points):
-        ones += (code >> k) & 1
-    uniform = (starts & (starts - 1)) == 0
-    if method == 3:
-        return ones if uniform else points + 1
-    if not uniform:
-        return points * (points - 1) + 2
-    if ones == 0:
-        return 0
-    if ones == points:
-        return points * (points - 1) + 1
-    rotation = 0
-    while (starts >> rotation) & 1 == 0:
-        rotation += 1
-    return 1 + (ones - 1) * points + rotation
-
-
-@njit(cache=True, nogil=True)
-def _fill_labels(table, points, method):  # type: ignore[no-untyped-def]
-    for code in range(table.size):
-        table[code] = _label(code, points, method)
-
-
-@njit(cache=True, nogil=True)
-def _frame(image, margin, framed):  # type: ignore[no-untyped-def]
-    """Copy the image into a frame of NaN: beyond its edge everything is missing."""
-    height, width = image.shape
-    framed[:] = np.nan
-    framed[margin : margin + height, margin : margin + width] = image
-
-
-@njit(cache=True, nogil=True)
-def _difference(framed, margin, offsets, weights, d):  # type: ignore[no-untyped-def]
-    """Interpolated differences between one neighbour and the centre, over the whole image."""
-    stride, flat, length = framed.shape[1], framed.ravel(), d.size
-    first = margin * (stride + 1)
-    shift = first + offsets[:, 0] * stride + offsets[:, 1]
-    centre = flat[first : first + length]
-    tap0, tap1 = flat[shift[0] : shift[0] + length], flat[shift[1] : shift[1] + length]
-    tap2, tap3 = flat[shift[2] : shift[2] + length], flat[shift[3] : shift[3] + length]
-    w0, w1, w2, w3 = weights
-    if max(w0, w1, w2, w3) == 1:
-        for x in range(length):
-            d[x] = tap0[x] - centre[x]
-    else:
-        for x in range(length):
-            c = centre[x]
-            d[x] = w0 * (tap0[x] - c) + w1 * (tap1[x] - c) + w2 * (tap2[x] - c) + w3 * (tap3[x] - c)
-
-
-@njit(cache=True, nogil=True)
-def _lbp(images, offsets, weights, table, method, labels):  # type: ignore[no-untyped-def]
-    n, height, width = images.shape
-    points = len(offsets)
-    margin = np.abs(offsets).max()
-    framed = np.empty((height + 2 * margin, width + 2 * margin), np.float32)
-    stride = framed.shape[1]
-    d = np.empty((height - 1) * stride + width, np.float32)
-    codes = np.empty(d.size, np.int32)
-    for i in range(n):
-        _frame(images[i], margin, framed)
-        codes[:] = 0
-        for k in range(points):
-            _difference(framed, margin, offsets[k], weights[k], d)
-            bit = np.int32(1 << k)
-            for x in range(d.size):
-                # not (d < 0) is also true of NaN: missing is level
-                codes[x] |= np.int32(0) if d[x] < 0 else bit
-        for v in range(height):
-            row, label = codes[v * stride : v * stride + width], labels[i, v]
-            if table.size:
-                for u in range(width):
-                    label[u] = table[row[u]]
-            else:
-                for u in range(width):
-                    label[u] = _label(np.int64(row[u]), points, method)
-
-
-@njit(cache=True, nogil=True)
-def _tdlbp(images, offsets, weights, per_unit, layers):  # type: ignore[no-untyped-def]
-    n, height, width = images.shape
-    margin = np.abs(offsets).max()
-    framed = np.empty((height + 2 * margin, width + 2 * margin), np.float32)
-    stride = framed.shape[1]
-    d = np.empty((height - 1) * stride + width, np.float32)
-    codes = np.empty(d.size, np.int32)  # four bytes: the codes of the four layers
-    half, seven = np.float32(0.5), np.float32(7.0)
-    for i in range(n):
-        _frame(images[i], margin, framed)
-        codes[:] = 0
-        for k in range(8):
-            _difference(framed, margin, offsets[k], weights[k], d)
-            for x in range(d.size):
-                units = abs(d[x]) * per_unit + half
-                units = units if units < seven else (seven if units >= seven else half)
-                size = np.int32(units)
-                sign = np.int32(0) if d[x] < 0 else np.int32(1)
-                bits = sign | (size & 4) << 6 | (size & 2) << 15 | (size & 1) << 24
-                codes[x] |= np.int32(bits << k)
-        for layer in range(4):
-            for v in range(height):
-                row, target = codes[v * stride : v * stride + width], layers[i, layer, v]
-                for u in range(width):
-                    target[u] = np.float32((row[u] >> (8 * layer)) & 255)

@@ -9,15 +9,21 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from rangeface.errors import ParameterError
-from rangeface.numerics import gaussian
+from rangeface.numerics import cholesky, gaussian
 
 Float32: TypeAlias = NDArray[np.float32]
 Float64: TypeAlias = NDArray[np.float64]
 
+SCALE_MM = 4.0
+"""Residual of the mirror image at which a pixel begins not to count, mm."""
+
+YAW = 0.03
+"""How far, rad, a registered face is expected to be still turned."""
+
 
 def lines(
     depth: ArrayLike,
-    origin: tuple[float, float],
+    origin: ArrayLike,
     angles: ArrayLike,
     *,
     pitch: float,
@@ -28,15 +34,15 @@ def lines(
     arc_length: bool = True,
     sigma: ArrayLike | None = None,
 ) -> Float32:
-    """Depth along straight lines through one point, at equal steps.
+    """Depth along straight lines, at equal steps from a point of each.
 
     Parameters
     ----------
     depth : (H, W) array_like
         Depth, NaN where invalid.
-    origin : tuple of float
-        Column and row of the point, px.
-    angles : (n,) array_like
+    origin : (2,) or (n, 2) array_like
+        Column and row of the point, px: one for all lines, or one each.
+    angles : float or (n,) array_like
         Directions, rad: 0 to the right, π/2 down.
     pitch : float
         Edge of a pixel, in the unit of the depth.
@@ -86,15 +92,17 @@ def lines(
     ):
         if not (np.isfinite(value) and value >= least):
             raise ParameterError(f"{name}: must be {'>' if least else '≥'} 0 mm, got {value}")
-    weights = np.ones_like(z) if sigma is None else 1.0 / np.square(np.asarray(sigma, np.float32))
     step = 0.5 * pitch
     count = int(np.ceil(reach / step))
     band = round(half_width / step)
-    theta = np.atleast_1d(np.asarray(angles, np.float64))
-    sampled = np.empty((len(theta), 2 * count + 1), np.float32)
-    _sample(z, weights, origin[0], origin[1], np.cos(theta), np.sin(theta), count, band, sampled)
+    # one row a line: column and row of its point, direction
+    line = np.empty((max(np.size(angles), np.size(origin) // 2), 4))
+    line[:, :2], line[:, 2], line[:, 3] = origin, np.cos(angles), np.sin(angles)
+    sampled = np.empty((len(line), 2 * count + 1), np.float32)
+    spread = z if sigma is None else np.ascontiguousarray(sigma, np.float32)
+    _sample(z, spread, sigma is not None, line, band, sampled)
     smoothed = gaussian.smooth(sampled[:, None], smoothing / step)[:, 0]
-    resampled = np.empty((len(theta), points), np.float32)
+    resampled = np.empty((len(line), points), np.float32)
     _resample(smoothed, step, reach, arc_length, resampled)
     return resampled
 
@@ -128,8 +136,8 @@ def mirror_line(
     Notes
     -----
     k takes up what is left of the yaw. A rounded head that is shifted looks like one that is
-    turned, so k is held near 0 (σ_k = 0.03 rad). ρ is Geman and McClure's with a scale of
-    4 mm: hair and holes do not count.
+    turned, so k is held near 0 (σ_k = `YAW`). ρ is Geman and McClure's with a scale of
+    `SCALE_MM`: hair and holes do not count.
 
     Examples
     --------
@@ -139,16 +147,7 @@ def mirror_line(
     3
     """
     z = gaussian.smooth(np.asarray(depth, np.float32), 1.0)
-    c, phi, k = 0.0, 0.0, 0.0
-    for _ in range(iterations):
-        A, b = np.zeros((3, 3)), np.zeros(3)
-        _mirror_equations(z, origin[0], origin[1], pitch, c, phi, k, 4.0, A, b)
-        A[2, 2] += 1.0 / 0.03**2
-        b[2] += k / 0.03**2
-        step = np.linalg.solve(A + 1e-6 * np.eye(3), b)
-        c, phi, k = c - step[0], phi - step[1], k - step[2]
-        if abs(step[0]) < 1e-3 and abs(step[1]) < 1e-5:
-            break
+    c, phi = _mirror_line(z, origin[0], origin[1], pitch, iterations)
     return float(c), float(phi)
 
 
@@ -204,19 +203,22 @@ def _bilinear(f, u, v):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _sample(f, w, u0, v0, cosine, sine, count, band, out):  # type: ignore[no-untyped-def]
-    for a in range(cosine.size):
+def _sample(f, sigma, weighted, lines, band, out):  # type: ignore[no-untyped-def]
+    count = out.shape[1] // 2
+    for a in range(len(lines)):
+        u0, v0, cosine, sine = lines[a]
         for m in range(-count, count + 1):
             total, certainty = 0.0, 0.0
             for n in range(-band, band + 1):
-                u = u0 + 0.5 * (m * cosine[a] - n * sine[a])
-                v = v0 + 0.5 * (m * sine[a] + n * cosine[a])
+                u = u0 + 0.5 * (m * cosine - n * sine)
+                v = v0 + 0.5 * (m * sine + n * cosine)
                 value = _bilinear(f, u, v)
-                if value == value:
-                    weight = w[int(v + 0.5), int(u + 0.5)]
-                    if weight == weight:
-                        total += weight * value
-                        certainty += weight
+                weight = 1.0
+                if weighted and value == value:
+                    weight = 1.0 / sigma[int(v + 0.5), int(u + 0.5)] ** 2
+                if value == value and weight == weight:
+                    total += weight * value
+                    certainty += weight
             out[a, m + count] = total / certainty if certainty > 0 else np.nan
 
 
@@ -256,36 +258,57 @@ def _resample(sampled, step, reach, arc_length, out):  # type: ignore[no-untyped
 
 
 @njit(cache=True, nogil=True)
-def _mirror_equations(f, u0, v0, pitch, c, phi, k, scale, A, b):  # type: ignore[no-untyped-def]
-    """Add the normal equations of (c, φ, k), one residual a pixel right of the line."""
+def _mirror_line(f, u0, v0, pitch, iterations):  # type: ignore[no-untyped-def]
+    c = phi = k = 0.0
+    A, b = np.empty((3, 3)), np.empty(3)
+    for _ in range(iterations):
+        _mirror_equations(f, u0, v0, pitch, c, phi, k, A, b)
+        A[2, 2] += 1.0 / YAW**2
+        b[2] += k / YAW**2
+        if not cholesky.factor(A):
+            break
+        cholesky.solve(A, b)
+        c, phi, k = c - b[0], phi - b[1], k - b[2]
+        if abs(b[0]) < 0.01 and abs(b[1]) < 1e-4:
+            break
+    return c, phi
+
+
+@njit(cache=True, nogil=True)
+def _mirror_equations(f, u0, v0, pitch, c, phi, k, A, b):  # type: ignore[no-untyped-def]
+    """Normal equations of (c, φ, k), one residual a pixel right of the line."""
     height, width = f.shape
     nx, ny = np.cos(phi), np.sin(phi)
-    gradient = np.empty(3)
-    for v in range(height):
-        for u in range(width):
-            x, y = (u - u0) * pitch, (v - v0) * pitch
+    per_mm = 1.0 / pitch
+    a00 = a01 = a02 = a11 = a12 = a22 = b0 = b1 = b2 = 0.0
+    for v in range(0, height, 2):  # a quarter of the pixels: plenty for three numbers
+        y = (v - v0) * pitch
+        for u in range(0, width, 2):
+            x = (u - u0) * pitch
             s = nx * x + ny * y - c
-            if s <= 0.0 or f[v, u] != f[v, u]:
+            mu, mv = u - 2.0 * s * nx * per_mm, v - 2.0 * s * ny * per_mm
+            if not (s > 0.0 and 0.0 <= mu < width - 1 and 0.0 <= mv < height - 1):
                 continue
-            mu, mv = (x - 2.0 * s * nx) / pitch + u0, (y - 2.0 * s * ny) / pitch + v0
-            i, j = int(np.floor(mu)), int(np.floor(mv))
-            if not (0 <= i < width - 1 and 0 <= j < height - 1):
-                continue
-            f00, f01, f10, f11 = f[j, i], f[j, i + 1], f[j + 1, i], f[j + 1, i + 1]
+            i, j = int(mu), int(mv)
             p, q = mu - i, mv - j
-            fx = ((f01 - f00) * (1.0 - q) + (f11 - f10) * q) / pitch
-            fy = ((f10 - f00) * (1.0 - p) + (f11 - f01) * p) / pitch
+            f00, f01, f10, f11 = f[j, i], f[j, i + 1], f[j + 1, i], f[j + 1, i + 1]
+            fx = ((f01 - f00) * (1.0 - q) + (f11 - f10) * q) * per_mm
+            fy = ((f10 - f00) * (1.0 - p) + (f11 - f01) * p) * per_mm
             mirrored = f00 + p * (f01 - f00) + q * (f10 - f00) + p * q * (f00 - f01 - f10 + f11)
             residual = f[v, u] - mirrored - 2.0 * k * s
             if residual != residual:
                 continue
-            weight = 1.0 / (1.0 + (residual / scale) ** 2) ** 2
-            along = -ny * x + nx * y  # n'·p, which is ∂s/∂φ
-            gradient[0] = -2.0 * (fx * nx + fy * ny) + 2.0 * k
-            gradient[1] = 2.0 * along * (fx * nx + fy * ny) + 2.0 * s * (nx * fy - ny * fx)
-            gradient[1] -= 2.0 * k * along
-            gradient[2] = -2.0 * s
-            for r in range(3):
-                b[r] += weight * gradient[r] * residual
-                for t in range(3):
-                    A[r, t] += weight * gradient[r] * gradient[t]
+            weight = 1.0 / (1.0 + (residual / SCALE_MM) ** 2) ** 2
+            # derivatives of the residual by c, φ, k; n'·p is ∂s/∂φ
+            turn, across = -ny * x + nx * y, fx * nx + fy * ny
+            dc = 2.0 * k - 2.0 * across
+            dphi = 2.0 * turn * across + 2.0 * s * (nx * fy - ny * fx) - 2.0 * k * turn
+            dk = -2.0 * s
+            wc, wphi, wk = weight * dc, weight * dphi, weight * dk
+            a00, a01, a02 = a00 + wc * dc, a01 + wc * dphi, a02 + wc * dk
+            a11, a12, a22 = a11 + wphi * dphi, a12 + wphi * dk, a22 + wk * dk
+            b0, b1, b2 = b0 + wc * residual, b1 + wphi * residual, b2 + wk * residual
+    A[0, 0], A[0, 1], A[0, 2] = a00, a01, a02
+    A[1, 0], A[1, 1], A[1, 2] = a01, a11, a12
+    A[2, 0], A[2, 1], A[2, 2] = a02, a12, a22
+    b[0], b[1], b[2] = b0, b1, b2

@@ -152,22 +152,47 @@ def _gated_sums(
     radius = kernel.shape[0] // 2
     mass = np.zeros((rows, cols), dtype=np.float32)
     total = np.zeros((rows, cols), dtype=np.float32)
+    w = np.empty(cols, dtype=np.float32)
     for y in range(rows):
-        level, width, mass_row, total_row = centre[y], gate[y], mass[y], total[y]
         for dy in range(max(-radius, -y), min(radius, rows - 1 - y) + 1):
-            z, C = values[y + dy], weight[y + dy]
-            for dx in range(-radius, radius + 1):
+            for dx in range(max(-radius, 1 - cols), min(radius, cols - 1) + 1):
                 g = kernel[dy + radius] * kernel[dx + radius]
-                for x in range(max(0, -dx), min(cols, cols - dx)):
-                    # offsets from the centre keep float32 exact at large depths
-                    offset = z[x + dx] - level[x]
-                    w = g * C[x + dx] if abs(offset) <= width[x] else np.float32(0.0)
-                    mass_row[x] += w
-                    total_row[x] += w * offset
+                here, there = slice(max(0, -dx), min(cols, cols - dx)), max(0, dx)
+                z, level = values[y + dy, there:], centre[y, here]
+                _gated(z, level, gate[y, here], weight[y + dy, there:], g, w)
+                _add(w, mass[y, here])
+                _add_offset(w, z, level, total[y, here])
     return mass, total
 
 
+# one short loop a purpose, each with few arrays: the compiler can prove that they do not overlap
+# and use vectors; `level` keeps float32 exact at large depths
+
+
 @njit(cache=True, nogil=True, fastmath=_FASTMATH)
+def _gated(z: Image, level: Image, gate: Image, C: Image, g: np.float32, w: Image) -> None:
+    for x in range(len(level)):
+        w[x] = g * C[x] if abs(z[x] - level[x]) <= gate[x] else np.float32(0.0)
+
+
+@njit(cache=True, nogil=True, fastmath=_FASTMATH)
+def _add(w: Image, out: Image) -> None:
+    for x in range(len(out)):
+        out[x] += w[x]
+
+
+@njit(cache=True, nogil=True, fastmath=_FASTMATH)
+def _add_scaled(w: Image, factor: np.float32, out: Image) -> None:
+    for x in range(len(out)):
+        out[x] += factor * w[x]
+
+
+@njit(cache=True, nogil=True, fastmath=_FASTMATH)
+def _add_offset(w: Image, z: Image, level: Image, out: Image) -> None:
+    for x in range(len(out)):
+        out[x] += w[x] * (z[x] - level[x])
+
+
 def local_planes(values: Image, confidence: Image, step: Image, kernel: Image) -> Image:
     """Value at every pixel of the plane fitted to its neighbours (moving least squares).
 
@@ -188,37 +213,43 @@ def local_planes(values: Image, confidence: Image, step: Image, kernel: Image) -
     >>> bool(np.abs(local_planes(z, one, 99 * one, gaussian_kernel(1.0)) - z).max() < 1e-3)
     True
     """
+    known = np.isfinite(values)
+    z = np.where(known, values, np.float32(0))
+    trust = np.where(known, confidence, np.float32(0))
+    gate = np.where(known, step, np.float32(-1))
+    s, su, sv, suu, suv, svv, sz, suz, svz = _plane_moments(z, trust, gate, kernel)
+    # Cramer's rule; cofactors of the first column
+    c0 = suu * svv - suv * suv
+    c1 = su * svv - suv * sv
+    c2 = su * suv - suu * sv
+    determinant = s * c0 - su * c1 + sv * c2
+    determined = determinant > 1e-4 * s * suu * svv
+    safe = np.where(determined, determinant, 1.0)
+    offset = np.where(determined, (sz * c0 - suz * c1 + svz * c2) / safe, 0.0)
+    return (values + offset).astype(np.float32)
+
+
+@njit(cache=True, nogil=True, fastmath=_FASTMATH)
+def _plane_moments(values: Image, weight: Image, gate: Image, kernel: Image) -> Image:
+    """Σ w times 1, u, v, uu, uv, vv, and Σ w (z − centre) times 1, u, v: (9, H, W)."""
     rows, cols = values.shape
     radius = kernel.shape[0] // 2
-    out = values.copy()
+    out = np.zeros((9, rows, cols), dtype=np.float32)
+    w = np.empty(cols, dtype=np.float32)
+    wz = np.empty(cols, dtype=np.float32)
     for y in range(rows):
-        for x in range(cols):
-            centre = values[y, x]
-            if np.isnan(centre):
-                continue
-            s = su = sv = suu = suv = svv = sz = suz = svz = 0.0
-            for v in range(max(-radius, -y), min(radius, rows - 1 - y) + 1):
-                for u in range(max(-radius, -x), min(radius, cols - 1 - x) + 1):
-                    offset = values[y + v, x + u] - centre
-                    if not abs(offset) <= step[y, x]:
-                        continue
-                    w = kernel[v + radius] * kernel[u + radius] * confidence[y + v, x + u]
-                    s += w
-                    su += w * u
-                    sv += w * v
-                    suu += w * u * u
-                    suv += w * u * v
-                    svv += w * v * v
-                    sz += w * offset
-                    suz += w * u * offset
-                    svz += w * v * offset
-            # Cramer's rule; cofactors of the first column
-            c0 = suu * svv - suv * suv
-            c1 = su * svv - suv * sv
-            c2 = su * suv - suu * sv
-            determinant = s * c0 - su * c1 + sv * c2
-            if determinant > 1e-9 * s * suu * svv and determinant > 0.0:
-                out[y, x] = centre + (sz * c0 - suz * c1 + svz * c2) / determinant
+        for v in range(max(-radius, -y), min(radius, rows - 1 - y) + 1):
+            for u in range(max(-radius, 1 - cols), min(radius, cols - 1) + 1):
+                g = kernel[v + radius] * kernel[u + radius]
+                here, there = slice(max(0, -u), min(cols, cols - u)), max(0, u)
+                z, level = values[y + v, there:], values[y, here]
+                _gated(z, level, gate[y, here], weight[y + v, there:], g, w)
+                wz[:] = 0.0
+                _add_offset(w, z, level, wz[: len(level)])
+                for k, factor in enumerate((1, u, v, u * u, u * v, v * v)):
+                    _add_scaled(w, np.float32(factor), out[k, y, here])
+                for k, factor in enumerate((1, u, v)):
+                    _add_scaled(wz, np.float32(factor), out[6 + k, y, here])
     return out
 
 

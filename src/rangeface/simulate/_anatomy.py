@@ -159,19 +159,19 @@ def _superellipse(theta: Field, side: Field, depth: Field, power: Field) -> Fiel
 def _vault(level: Field) -> Field:
     # radius of the skull over its radius at the brow
     rise = np.clip((BROW_Y_MM - level) / (BROW_Y_MM - VERTEX_Y_MM), 0.0, 1.0)
-    return (1.0 - rise**2.3) ** 0.46
+    return (1.0 - rise**1.8) ** 0.46
 
 
 def _skull(theta: Field, level: Field, vault: Field) -> Field:
     forward = np.cos(theta) > 0
     # midline of the face without nose and lips: depth behind the nose tip
     midline = spline(
-        level, (-62, 22), (-41, 25), (-22, 27.5), (-2, 24.0), (14, 17.4), (34, 15.8), (50, 19.0),
-        (66, 20.5), (78, 25), (92, 31),
+        level, (-62, 23.5), (-41, 27.0), (-22, 31.0), (-2, 28.0), (16, 22.5), (34, 22.0),
+        (50, 22.0), (66, 23.0), (80, 25), (94, 31),
     )  # fmt: skip
-    side = spline(level, (-62, 73.5), (-35, 72), (0, 70), (25, 66.5), (50, 60), (70, 53), (88, 47))
+    side = spline(level, (-62, 75.5), (-35, 73.5), (0, 72), (25, 69), (50, 65), (70, 58), (88, 49))
     back = curve(level, (-70, 92), (-20, 90), (30, 76), (80, 62))
-    power = spline(level, (-110, 2.1), (-60, 2.35), (-15, 2.55), (30, 2.3), (60, 2.2), (85, 2.1))
+    power = spline(level, (-110, 2.1), (-60, 2.2), (-15, 2.35), (30, 2.15), (60, 2.1), (85, 2.1))
     head = vault * _superellipse(theta, side, np.where(forward, AXIS_Z_MM - midline, back), power)
     return head + (_neck(theta, level) - head) * _below_jaw(theta, level)
 
@@ -180,7 +180,15 @@ def _below_jaw(theta: Field, level: Field) -> Field:
     # border of the mandible: gnathion, gonion, ear lobe, then the nape
     away = np.degrees(np.abs(theta))
     border = curve(
-        away, (0, 83), (14, 82), (32, 73), (50, 60), (62, 48), (76, 33), (92, 22), (130, 25),
+        away,
+        (0, 86),
+        (14, 85),
+        (32, 78),
+        (50, 64),
+        (62, 50),
+        (76, 33),
+        (92, 22),
+        (130, 25),
         (180, 30),
     )  # fmt: skip
     softness = curve(away, (0, 8.5), (40, 8.5), (62, 12), (95, 20), (130, 32), (180, 36))
@@ -205,16 +213,17 @@ def _gauss(x: Field, y: Field, x0: float, y0: float, width: float, height: float
 
 
 def _nose(x: Field, y: Field) -> Field:
-    # height of the ridge above the midline: sellion, bridge, tip (protrusion 19 mm), base
+    # height of the ridge above the midline: sellion, bridge, tip, columella. The alar crease
+    # lies 28 mm behind the tip: ala length (ac–prn) 33.5 mm, half the alar width 17.5 mm
     ridge = spline(
         y + 0.2 * np.abs(x) * ramp(y, -12.0, 4.0),  # the base rises towards the wings
-        (-56, 0), (-46, 0.9), (-41, 2.2), (-32, 7.6), (-22, 13.6), (-12, 19.2), (-5, 22.8),
-        (-1, 23.9), (3, 23.0), (6, 19.8), (8.5, 13.0), (11, 5.2), (13.5, 1.4), (16, 0.2), (18, 0),
+        (-58, 0), (-46, 3.0), (-41, 5.2), (-32, 10.6), (-22, 17.4), (-12, 23.6), (-5, 27.0),
+        (-1, 27.8), (3, 26.6), (6, 23.6), (9, 17.0), (12, 9.0), (15, 3.0), (18, 0.6), (22, 0),
     )  # fmt: skip
-    half = spline(y, (-45, 8.4), (-30, 10.4), (-18, 12.6), (-5, 11.2), (6, 9.8), (13, 8.5))
-    blunt = curve(y, (-40, 1.9), (-20, 2.2), (-3, 2.2), (12, 2.2))
+    half = curve(y, (-45, 8.0), (-30, 8.8), (-16, 11.0), (-8, 12.0), (0, 12.6), (8, 11.5), (14, 9))
+    blunt = curve(y, (-40, 1.9), (-24, 2.0), (-12, 2.5), (-2, 3.0), (12, 2.6))
     bridge = ridge * np.exp(-((np.abs(x) / half) ** blunt))
-    wings = 10.2 * _gauss(x, y, 12.8, 2.6, 3.7, 4.6) + 1.8 * _gauss(x, y, 14.0, -3.0, 6.0, 10.0)
+    wings = 9.0 * _gauss(x, y, 13.0, 3.5, 3.6, 5.0)
     nostrils = 3.6 * _gauss(x, y, 6.4, 10.4, 3.0, 2.0) + 1.4 * _gauss(x, y, 20.5, 6.0, 2.6, 6.0)
     return bridge + wings - nostrils
 
@@ -238,7 +247,8 @@ def _mouth(x: Field, y: Field) -> Field:
     line = 2.2 * across**0.5 * np.exp(-0.5 * ((y - seam) / 1.3) ** 2)
     corner = 1.8 * _gauss(x, y, 26.0, 33.0, 3.4, 3.6)
     philtrum = 0.9 * _gauss(x, y, 0.0, 19.5, 2.6, 4.5) - 0.5 * _gauss(x, y, 5.2, 20.0, 2.2, 5.0)
-    return upper + lower - line - corner - philtrum
+    arch = 7.0 * _gauss(x, y, 0.0, 31.0, 16.0, 14.0)  # the teeth behind the lips
+    return upper + lower + arch - line - corner - philtrum
 
 
 def _cheeks(x: Field, y: Field) -> Field:

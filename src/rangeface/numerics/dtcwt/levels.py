@@ -88,20 +88,23 @@ def _decimated(even: Taps, odd: Taps, length: int, *, even_first: bool) -> Bande
 def _periodic(h0: Taps, h1: Taps, length: int, *, interleaved: bool) -> Level:
     """Selesnick's levels: periodic, the second tree with the time-reversed filters.
 
-    At level 1 both trees read the same samples, so each gets half the energy.
+    At level 1 both trees read the same samples, the second one later; each gets half the energy.
     """
-    stride, trees = (2, 2) if interleaved else (1, 1)
-    samples = length // trees
+    stride = 2 if interleaved else 1
+    samples = length // stride
     scale = 1.0 if interleaved else np.sqrt(0.5)
 
-    def matrix(taps: Taps) -> Banded:
+    def matrix(taps: Taps, sign: float) -> Banded:
         m = len(taps)
         n, k = np.mgrid[: samples // 2, :m]
         read = np.mod(2 * n + m // 2 - k, samples) * stride
         rows = np.stack([2 * n, 2 * n + 1])
-        columns = np.stack([read, read + (1 if interleaved else 0)])
-        weights = np.broadcast_to(scale * np.stack([taps, taps[::-1]])[:, None, :], rows.shape)
+        # the second tree: its own samples lie one further, and so does its view of shared ones
+        columns = np.stack([read, np.mod(read + 1, length)])
+        both = scale * np.stack([taps, sign * taps[::-1]])
+        weights = np.broadcast_to(both[:, None, :], rows.shape)
         return banded(rows, columns, weights, (2 * (samples // 2), length))
 
-    low, high = matrix(h0), matrix(h1)
+    # the sign orders the six orientations as with the other banks
+    low, high = matrix(h0, 1.0), matrix(h1, -1.0)
     return Level(low, high, adjoint(low, length), adjoint(high, length))

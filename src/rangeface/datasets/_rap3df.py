@@ -13,8 +13,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rangeface.datasets._folder import found, scan
+from rangeface.datasets._folder import by_subject, counted, found, scan
 from rangeface.types import Scan
+
+LAYOUT = "<SUBJECT>/k1_box_xyz_depth.data, <SUBJECT>/tests/*k1_box_xyz_depth.data"
 
 _DEPTH = "k1_box_xyz_depth.data"
 
@@ -47,8 +49,32 @@ def rap3df(path: str | Path) -> list[Scan]:
             scans.append(_scan(gallery, folder.name, "gallery", ""))
         for probe in sorted((folder / "tests").glob("*" + _DEPTH)):
             scans.append(_scan(probe, folder.name, "probe", probe.name.removesuffix(_DEPTH)))
-    return found(path, scans, f"<SUBJECT>/{_DEPTH}, <SUBJECT>/tests/*{_DEPTH}")
+    return found(path, scans, LAYOUT)
 
 
 def _scan(path: Path, subject: str, role: str, session: str) -> Scan:
     return scan(path, subject=subject, role=role, session=session, sensor="Kinect v2")
+
+
+def gallery_tests(scans: list[Scan]) -> list[Scan]:
+    """Enrol each person's gallery capture, test the others: the database's own division.
+
+    Parameters
+    ----------
+    scans : list of Scan
+        As `rap3df` lists them; their roles stand already.
+
+    Returns
+    -------
+    list of Scan
+        The same scans.
+    """
+    return list(scans)
+
+
+def missing(scans: list[Scan]) -> list[str]:
+    """How many captures are not there, and who has no gallery capture."""
+    people = by_subject(scans)
+    lines = counted(len(people), 62, "people") + counted(len(scans), 267, "captures")
+    bare = [name for name, own in people.items() if not any(s.role == "gallery" for s in own)]
+    return lines + [f"{name}: no gallery capture" for name in bare]

@@ -21,6 +21,8 @@ from rangeface.datasets._folder import found, scan
 from rangeface.errors import ScanError, ScanFault
 from rangeface.types import Scan
 
+LAYOUT = "index.csv with path,subject,role[,view,session,expression,sensor]; camera.toml"
+
 _ROLES = ("train", "gallery", "probe")
 _COLUMNS = ("path", "subject", "role", "view", "session", "expression", "sensor")
 _MAX_BYTES = 64 << 20
@@ -86,3 +88,11 @@ def _rows(index: Path) -> list[tuple[int, dict[str, str]]]:
 
 def _error(index: Path, detail: str) -> ScanError:
     return ScanError(index, ScanFault.MALFORMED, detail)
+
+
+def missing(scans: list[Scan]) -> list[str]:
+    """Which files of the index are not there, and who is tested but not enrolled."""
+    lines = [f"{s.path}: no such file" for s in scans if not s.path.exists()]
+    enrolled = {s.subject for s in scans if s.role == "gallery"}
+    tested = {s.subject for s in scans if s.role == "probe"}
+    return lines + [f"{name}: probes, but nothing enrolled" for name in sorted(tested - enrolled)]

@@ -1,0 +1,85 @@
+"""One self-contained HTML page: text, tables, pictures; no network, readable on paper."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from html import escape
+from pathlib import Path
+
+_STYLE = """
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 68rem; margin: 2rem auto; padding: 0 1rem;
+       color: #1b1b1b; background: #fff; }
+h1 { font-size: 1.7rem; } h2 { font-size: 1.25rem; margin-top: 2.2rem; }
+table { border-collapse: collapse; margin: 1rem 0; }
+th, td { padding: .3rem .8rem; text-align: left; border-bottom: 1px solid #ccc; }
+th { border-bottom: 2px solid #444; }
+img { max-width: 100%; height: auto; display: block; }
+figure { margin: 1rem 0; } figcaption { color: #555; font-size: .9rem; }
+.scroll { overflow-x: auto; }
+footer { margin-top: 3rem; color: #555; font-size: .85rem; }
+@media (prefers-color-scheme: dark) {
+  body { color: #e8e8e8; background: #161616; } th, td { border-color: #444; }
+  figcaption, footer { color: #aaa; } img { background: #fff; }
+}
+@media print { figure, table { break-inside: avoid; } }
+"""
+
+
+@dataclass
+class Report:
+    """A page that grows from top to bottom.
+
+    Parameters
+    ----------
+    title : str
+    """
+
+    title: str
+    _parts: list[str] = field(default_factory=list)
+
+    def heading(self, text: str) -> None:
+        """Begin a section."""
+        self._parts.append(f"<h2>{escape(text)}</h2>")
+
+    def text(self, text: str) -> None:
+        """Add a paragraph."""
+        self._parts.append(f"<p>{escape(text)}</p>")
+
+    def table(self, header: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
+        """Add a table; cells are printed as they are."""
+        head = "".join(f"<th>{escape(cell)}</th>" for cell in header)
+        body = "".join(
+            "<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in row) + "</tr>"
+            for row in rows
+        )
+        self._parts.append(
+            f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+        )
+
+    def picture(self, png: bytes, caption: str) -> None:
+        """Add a PNG with its caption."""
+        data = base64.b64encode(png).decode()
+        self._parts.append(
+            f'<figure><img alt="{escape(caption)}" src="data:image/png;base64,{data}">'
+            f"<figcaption>{escape(caption)}</figcaption></figure>"
+        )
+
+    def write(self, path: Path, *, provenance: str) -> None:
+        """Write the page.
+
+        Parameters
+        ----------
+        path : Path
+        provenance : str
+            Versions, seed and command, at its foot.
+        """
+        page = (
+            f'<!doctype html><html lang="en"><head><meta charset="utf-8">'
+            f'<meta name="viewport" content="width=device-width, initial-scale=1">'
+            f"<title>{escape(self.title)}</title><style>{_STYLE}</style></head><body>"
+            f"<h1>{escape(self.title)}</h1>{''.join(self._parts)}"
+            f"<footer>{escape(provenance)}</footer></body></html>\n"
+        )
+        path.write_text(page, encoding="utf-8")
