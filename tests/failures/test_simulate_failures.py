@@ -239,3 +239,8 @@ def test_a_camera_without_focal_length(focal):
 def test_a_collection_is_refused_before_its_first_capture(options, name):
     with pytest.raises(ParameterError, match=name):
         simulate.collection([0], sensors.preset("sr3000"), **options)
+
+
+def test_no_frame_at_all_is_refused():
+    with pytest.raises(ParameterError, match="count"):
+        simulate.frames(SCENE, sensors.preset("sr3000"), 0, rng=RNG)

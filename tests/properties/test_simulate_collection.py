@@ -33,6 +33,17 @@ def test_the_views_turn_as_their_names_say():
     assert (seen["frontal1"].image.depth != seen["frontal2"].image.depth).any()
 
 
+@pytest.mark.parametrize("name", ["sr3000", "kinect-v2", "paper", "laser-scanner"])
+def test_frames_are_captures_one_after_the_other(name):
+    sensor = sensors.preset(name)
+    view = simulate.render(simulate.head(0), sensor.camera, simulate.pose())
+    rng = np.random.default_rng(4)
+    expected = [simulate.capture(view, sensor, rng=rng) for _ in range(3)]
+    run = simulate.frames(view, sensor, 3, rng=np.random.default_rng(4))
+    for one, other in zip(run, expected, strict=True):
+        np.testing.assert_array_equal(one.depth, other.depth)
+
+
 @pytest.mark.parametrize("steps", [3, 4, 5, 8])
 def test_decoding_is_exact_without_noise(steps):
     rng = np.random.default_rng(0)

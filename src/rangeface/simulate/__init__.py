@@ -1,7 +1,7 @@
 """Makes scans: heads of people who do not exist, and cameras that see them as real ones would."""
 
 from rangeface.simulate._anatomy import Tissue
-from rangeface.simulate._capture import METHODS, capture, random_point, triangulate
+from rangeface.simulate._capture import METHODS, capture, frames, random_point, triangulate
 from rangeface.simulate._collection import VIEWS, Labelled, View, collection
 from rangeface.simulate._degrade import (
     add_noise,
@@ -42,6 +42,7 @@ __all__ = [
     "collection",
     "decode",
     "degrade",
+    "frames",
     "head",
     "ict_facekit",
     "mean_head",

@@ -36,7 +36,7 @@ _FRINGE = (-92.0, -66.0)  # the level that it reaches down to, mm
 
 # where the landmarks of the mean head lie in the frontal view, mm
 _LANDMARKS = {
-    "nose_tip": (0.0, -0.5), "nose_root": (0.0, -41.0), "subnasale": (0.0, 12.0),
+    "nose_tip": (0.0, -0.5), "nose_root": (0.0, -41.0), "subnasale": (0.0, 14.0),
     "left_eye_inner": (16.5, -37.0), "left_eye_outer": (46.0, -37.0),
     "right_eye_inner": (-16.5, -37.0), "right_eye_outer": (-46.0, -37.0),
     "left_alare": (17.0, 3.0), "right_alare": (-17.0, 3.0),
