@@ -39,7 +39,7 @@ STAGES: dict[str, Mapping[str, Callable[..., Any]]] = {
     "fuse": decide.FUSE,
     "decide": decide.METHODS,
 }
-_OPTIONAL = {"combine", "fuse", "augment_deg", "name"}
+_OPTIONAL = {"combine", "fuse", "adapt_reference", "augment_deg"}
 _DEFAULTS = {"combine": {"method": "phasor_mean"}, "fuse": {"method": "sum"}}
 
 
@@ -124,16 +124,20 @@ def from_toml(text: str) -> FacePipeline:
     unknown = sorted(set(table) - set(STAGES) - {"heads"} - _OPTIONAL)
     if unknown:
         raise ParameterError(
-            f"unknown slot {unknown[0]!r}; known: {', '.join([*STAGES, 'heads', 'augment_deg'])}"
+            f"unknown slot {unknown[0]!r}; known: {', '.join([*STAGES, 'heads', *sorted(_OPTIONAL - set(STAGES))])}"
         )
-    slots = {
+    slots: dict[str, Any] = {
         slot: _step(slot, table.get(slot, _DEFAULTS.get(slot)), methods)
         for slot, methods in STAGES.items()
     }
     heads = table.get("heads")
     if not isinstance(heads, list) or not heads:
         raise ParameterError("heads: write at least one [[heads]] with describe and classify")
-    extra = {}
+    extra: dict[str, Any] = {}
+    if "adapt_reference" in table:
+        if not isinstance(table["adapt_reference"], bool):
+            raise ParameterError("adapt_reference: write true or false")
+        extra["adapt_reference"] = table["adapt_reference"]
     if "augment_deg" in table:
         extra["augment_deg"] = tuple(float(a) for a in table["augment_deg"])
     return FacePipeline(
@@ -189,6 +193,7 @@ def to_toml(pipeline: FacePipeline) -> str:
         f"{slot:<8} = {_entry(slot, getattr(pipeline, slot), methods)}"
         for slot, methods in STAGES.items()
     ]
+    lines.append(f"adapt_reference = {_value(pipeline.adapt_reference)}")
     lines.append(f"augment_deg = {_value(pipeline.augment_deg)}")
     for head in pipeline.heads:
         kinds = {kind: name for name, kind in classify.METHODS.items()}
@@ -206,7 +211,8 @@ def _entry(slot: str, bound: Step, methods: Mapping[str, Callable[..., Any]]) ->
     names = {method: name for name, method in methods.items()}
     if bound.method not in names:
         raise ParameterError(f"{slot}: {bound.name} is not one of its methods")
-    return _pairs(names[bound.method], bound.params)
+    plain = [(k, v) for k, v in bound.params if k != "reference"]  # learned, not configured
+    return _pairs(names[bound.method], plain)
 
 
 def _pairs(method: str, params: Any) -> str:

@@ -17,6 +17,7 @@ from rangeface.decide import per_subject
 from rangeface.errors import DegenerateError, NoFaceError, ParameterError
 from rangeface.io.reference import default_reference
 from rangeface.numerics.se3 import rotation_matrix
+from rangeface.register.bootstrap import MIN_FACES, bootstrap
 from rangeface.types import (
     Alignment,
     Assessment,
@@ -26,6 +27,7 @@ from rangeface.types import (
     Float32,
     RangeImage,
     Reason,
+    ReferenceFace,
     RigidTransform,
     Template,
 )
@@ -207,6 +209,8 @@ class FacePipeline:
         Scores (heads, m) → scores (m,).
     decide : Step
         (scores, subjects, Assessment, threshold) → Decision.
+    adapt_reference : bool
+        Learn the reference face from the training captures, then register again with it.
     augment_deg : tuple of float
         Each training and enrolment face is also seen rotated by these angles about each of
         the three axes (the paper's twelve additional images).
@@ -226,6 +230,7 @@ class FacePipeline:
     heads: tuple[Head, ...]
     fuse: Step
     decide: Step
+    adapt_reference: bool = False
     augment_deg: tuple[float, ...] = (-5.0, -2.5, 2.5, 5.0)
 
     def __post_init__(self) -> None:
@@ -325,6 +330,45 @@ class FacePipeline:
                 turned.append(self.frontal(trace.face, alignment))
         return turned
 
+    # ── the reference face ───────────────────────────────────────────────────────────────
+
+    @property
+    def reference(self) -> ReferenceFace:
+        """The reference face that registration aligns to."""
+        bound = dict(self.register.params).get("reference")
+        return default_reference() if bound is None else bound
+
+    def with_reference(self, reference: ReferenceFace) -> FacePipeline:
+        """The same pipeline with another reference face in every step that takes one."""
+        slots = {
+            slot: bound.with_params(reference=reference)
+            for slot in ("segment", "register", "frontal")
+            if "reference" in (bound := getattr(self, slot)).all_params()
+        }
+        return replace(self, **slots)
+
+    def adapted(self, traces: Sequence[Trace]) -> FacePipeline:
+        """The pipeline with a reference learned from its own traces, if `adapt_reference` is set.
+
+        Parameters
+        ----------
+        traces : sequence of Trace
+            Of the captures to learn from; those turned by more than 25° do not count.
+
+        Returns
+        -------
+        FacePipeline
+            Unchanged where there are fewer than `bootstrap.MIN_FACES` faces.
+        """
+        frontals = [
+            t.frontal
+            for t in traces
+            if t.frontal is not None and t.assessment is not None and abs(t.assessment.yaw_deg) < 25
+        ]
+        if not self.adapt_reference or len(frontals) < MIN_FACES:
+            return self
+        return self.with_reference(bootstrap(frontals, self.reference))
+
     # ── learning ─────────────────────────────────────────────────────────────────────────
 
     def fit(
@@ -351,13 +395,14 @@ class FacePipeline:
         ParameterError
             The numbers of images and subjects differ.
         """
+        adapted = self.adapted([self.trace(image) for image in images])
         views = []
         for k, image in enumerate(images):
-            trace = self.trace(image)
+            trace = adapted.trace(image)
             if trace.frontal is None:
                 raise NoFaceError(f"training image {k}: {trace.reason}")
-            views.append(self.views(trace))
-        return self.fit_views(views, subjects)
+            views.append(adapted.views(trace))
+        return adapted.fit_views(views, subjects)
 
     def fit_views(
         self, views: Sequence[Sequence[RangeImage]], subjects: Sequence[str]

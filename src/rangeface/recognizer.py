@@ -21,6 +21,7 @@ from rangeface.errors import (
 )
 from rangeface.gallery import Gallery, View, stack
 from rangeface.io.arrays import read_arrays, write_arrays
+from rangeface.io.reference import reference_from, reference_header
 from rangeface.pipeline import FacePipeline, Head, Trace
 from rangeface.types import Decision, Float32, RangeImage, Reason, Template
 
@@ -88,8 +89,9 @@ class FaceRecognizer:
         """
         if len(images) != len(subjects):
             raise ParameterError(f"subjects: {len(subjects)} for {len(images)} images")
-        traces = [pipeline.trace(image) for image in images]
-        return cls.fit_traces(pipeline, traces, subjects, provenance=provenance)
+        adapted = pipeline.adapted([pipeline.trace(image) for image in images])
+        traces = [adapted.trace(image) for image in images]
+        return cls.fit_traces(adapted, traces, subjects, provenance=provenance)
 
     @classmethod
     def fit_traces(
@@ -100,7 +102,7 @@ class FaceRecognizer:
         *,
         provenance: Mapping[str, Any] | None = None,
     ) -> FaceRecognizer:
-        """Learn from traces that the same (unfitted) pipeline made; else as `fit`."""
+        """Learn from traces that the same (unfitted, adapted) pipeline made; else as `fit`."""
         usable = [(t, s) for t, s in zip(traces, subjects, strict=True) if t.frontal is not None]
         if not usable:
             raise NoFaceError(f"none of {len(traces)} training images shows a face")
@@ -265,7 +267,12 @@ class FaceRecognizer:
             heads.append({k: v for k, v in state.items() if not isinstance(v, np.ndarray)})
             if self.cohort is not None:
                 arrays[f"cohort{h}"] = self.cohort.vectors[h]
+        reference = self.pipeline.reference
+        arrays["reference.depth"] = reference.image.depth
+        if reference.image.sigma is not None:
+            arrays["reference.sigma"] = reference.image.sigma
         meta = {
+            "reference": reference_header(reference),
             "pipeline": config.to_toml(self.pipeline),
             "fingerprint": self.pipeline.fingerprint,
             "heads": heads,
@@ -292,7 +299,11 @@ class FaceRecognizer:
         """
         meta, arrays = read_arrays(Path(path))
         try:
-            pipeline = config.from_toml(meta["pipeline"])
+            pipeline = config.from_toml(meta["pipeline"]).with_reference(
+                reference_from(
+                    meta["reference"], arrays["reference.depth"], arrays.get("reference.sigma")
+                )
+            )
             heads = tuple(
                 _restored(head, h, meta["heads"][h], arrays)
                 for h, head in enumerate(pipeline.heads)

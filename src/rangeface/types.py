@@ -593,9 +593,10 @@ class ReferenceFace:
         most, the reference says least.
         """
         usable = np.isfinite(self.normals[..., 2])
-        stride = max(int(np.sqrt(usable.sum() / count)), 1)
+        stride = max(float(np.sqrt(usable.sum() / count)), 1.0)
+        rows, cols = (np.arange(0.5 * (stride - 1.0), n, stride).astype(int) for n in usable.shape)
         lattice = np.zeros_like(usable)
-        lattice[stride // 2 :: stride, stride // 2 :: stride] = True
+        lattice[np.ix_(rows, cols)] = True
         chosen = usable & lattice
         weights = np.ones(int(chosen.sum()), np.float32)
         if self.image.sigma is not None:

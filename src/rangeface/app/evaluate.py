@@ -51,6 +51,7 @@ def run(
     way = load_pipeline(pipeline)
     kept = _without(scans, exclude)
     near_frontal = None if reference is None else _marked(reference, root, kept)
+    way = _adapted(way, kept)
     captures = acquire(way, over(kept, dataset))
     _print_failures(captures)
     views: Views = {}
@@ -73,6 +74,15 @@ def run(
     if json_file is not None:
         text = json.dumps(results if grid else results[0], indent=2, ensure_ascii=False)
         json_file.write_text(text + "\n", encoding="utf-8")
+
+
+def _adapted(way: FacePipeline, scans: Sequence[Scan]) -> FacePipeline:
+    """The pipeline with the reference that the training (or gallery) captures give, if it wants."""
+    if not way.adapt_reference:
+        return way
+    known = [s for s in scans if s.role == "train"] or [s for s in scans if s.role == "gallery"]
+    captures = acquire(way, over(known, "reference face"))
+    return way.adapted([c.trace for c in captures if c.trace is not None])
 
 
 def _without(scans: Sequence[Scan], exclude: Sequence[str]) -> list[Scan]:

@@ -57,7 +57,10 @@ def train(out: Path, folder: Path | None, *, people: int, seed: int, pipeline: s
 def fit(pipeline: str, scans: Sequence[Scan], source: str) -> FaceRecognizer:
     """Fit a pipeline to scans; failures are counted."""
     way = load_pipeline(pipeline)
-    captures = _acquired(acquire(way, over(scans, "training")))
+    captures = _acquired(acquire(way, over(scans, "finding faces")))
+    adapted = way.adapted([c.trace for c in captures if c.trace is not None])
+    if adapted is not way:
+        way, captures = adapted, _acquired(acquire(adapted, over(scans, "registering again")))
     return FaceRecognizer.fit_traces(
         way,
         [c.trace for c in captures if c.trace is not None],

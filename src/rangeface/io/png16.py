@@ -62,6 +62,8 @@ def pixels(source: Source) -> NDArray[np.uint16]:
 
 def _chunks(source: Source) -> Iterator[tuple[bytes, bytes]]:
     offset = len(SIGNATURE)
+    if not recognise(source):
+        raise source.error(ScanFault.MALFORMED, "no PNG")
     while True:
         source.need(offset, 12, "a chunk")
         length, kind = struct.unpack_from(">I4s", source.data, offset)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from functools import lru_cache
 from importlib.resources import as_file, files
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -35,12 +37,7 @@ def save_reference(path: Path, reference: ReferenceFace) -> None:
     reference : ReferenceFace
         Depth and σ below 327 mm.
     """
-    camera = reference.image.camera
-    header = {
-        "name": reference.name,
-        "camera": {k: getattr(camera, k) for k in ("pitch_mm", "cx", "cy", "width", "height")},
-        "landmarks": {k: [round(float(x), 3) for x in v] for k, v in reference.landmarks.items()},
-    }
+    header = reference_header(reference)
     planes = {"depth": _packed(reference.image.depth)}
     if reference.image.sigma is not None:
         planes["sigma"] = _packed(reference.image.sigma)
@@ -73,10 +70,27 @@ def load_reference(path: Path) -> ReferenceFace:
             header = json.loads(bytes(file["header"]))
             depth = _unpacked(file["depth"])
             sigma = _unpacked(file["sigma"]) if "sigma" in file else None
-        image = RangeImage(depth, Orthographic(**header["camera"]), sigma=sigma)
-        landmarks = {k: np.array(v) for k, v in header["landmarks"].items()}
+        return reference_from(header, depth, sigma)
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise ScanError(path, ScanFault.MALFORMED, f"no reference face ({error})") from error
+
+
+def reference_header(reference: ReferenceFace) -> dict[str, Any]:
+    """Everything of a reference face that is no array, as JSON can say it."""
+    camera = reference.image.camera
+    return {
+        "name": reference.name,
+        "camera": {k: getattr(camera, k) for k in ("pitch_mm", "cx", "cy", "width", "height")},
+        "landmarks": {k: [round(float(x), 3) for x in v] for k, v in reference.landmarks.items()},
+    }
+
+
+def reference_from(
+    header: Mapping[str, Any], depth: np.ndarray, sigma: np.ndarray | None
+) -> ReferenceFace:
+    """The reference face of a header (as `reference_header` makes it) and its planes."""
+    image = RangeImage(depth, Orthographic(**header["camera"]), sigma=sigma)
+    landmarks = {name: np.array(point) for name, point in header["landmarks"].items()}
     return ReferenceFace(image, landmarks, header["name"])
 
 

@@ -437,9 +437,10 @@ def relief_correlation(
 
 
 def _relief(points: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Weighted residual of z after its best quadric in x and y."""
+    """Weighted residual of z after its best quadric in x and y (normal equations, 6 × 6)."""
     x, y = points[:, 0] / ARM_MM, points[:, 1] / ARM_MM
-    basis = weights[:, None] * np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
+    basis = weights * np.stack([np.ones_like(x), x, y, x * x, x * y, y * y])
     z = weights * points[:, 2]
-    beta = np.linalg.lstsq(basis, z, rcond=None)[0]
-    return z - basis @ beta
+    gram = basis @ basis.T
+    beta = np.linalg.solve(gram + 1e-9 * np.trace(gram) * np.eye(6), basis @ z)
+    return z - beta @ basis

@@ -133,7 +133,7 @@ def _valleys(depths: Float32, min_gap_mm: float) -> list[tuple[float, float]]:
 @lru_cache(maxsize=8)
 def _grid(max_yaw_deg: float) -> Float64:
     return rotation_grid(
-        np.linspace(-max_yaw_deg, max_yaw_deg, 2 * int(np.ceil(max_yaw_deg / 15.0)) + 1),
+        np.linspace(-max_yaw_deg, max_yaw_deg, 2 * int(np.ceil(max_yaw_deg / 20.0)) + 1),
         (-40.0, -20.0, 0.0, 20.0, 40.0),
         (-25.0, 0.0, 25.0),
     )
@@ -150,7 +150,7 @@ def _search(image: RangeImage, reference: ReferenceFace, max_yaw_deg: float) -> 
     tips = _candidates(points, rotations, radius_px=max(round(25.0 / (factor * pixel_mm)), 1))
     if len(tips) == 0:
         return []
-    rough, close = icp.Model(*reference.surface(100)), icp.Model(*reference.surface(400))
+    rough, close = icp.Model(*reference.surface(80)), icp.Model(*reference.surface(400))
 
     R = np.tile(rotations, (len(tips), 1, 1))
     t = np.repeat(tips, len(rotations), axis=0)
@@ -174,10 +174,10 @@ def _search(image: RangeImage, reference: ReferenceFace, max_yaw_deg: float) -> 
 
 
 def _candidates(points: Float32, rotations: Float64, radius_px: int) -> Float64:
-    """Points (n, 3) that protrude along some axis, thinned to one a cell of 8 mm."""
+    """Points (n, 3) that protrude along some axis, thinned to one a cell of 10 mm."""
     pixels = protrusions(points, rotations, radius_px=radius_px)
     tips = points[pixels[:, 0], pixels[:, 1]].astype(np.float64)
-    _, first = np.unique(np.floor(tips / 8.0).astype(np.int64), axis=0, return_index=True)
+    _, first = np.unique(np.floor(tips / 10.0).astype(np.int64), axis=0, return_index=True)
     return tips[np.sort(first)]
 
 
