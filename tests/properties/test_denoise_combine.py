@@ -1,10 +1,12 @@
 """Theorems about the combination of frames."""
 
+import weakref
+
 import numpy as np
 import pytest
 
 from rangeface.denoise import combine
-from rangeface.types import Pinhole, RangeImage
+from rangeface.types import Pinhole, RangeImage, RigidTransform
 
 CAMERA = Pinhole(200, 200, 15.5, 11.5, 32, 24)
 LIGHT_MM_PER_S = 299_792_458_000.0
@@ -80,18 +82,21 @@ def test_phasors_beat_depths_where_light_is_scarce(seed):
     assert np.sqrt(np.mean(by_phasor**2)) < np.sqrt(np.mean(by_depth**2))
 
 
-def test_a_stream_is_read_once_and_held_one_frame_at_a_time():
-    import weakref
-
-    alive: list[weakref.ref] = []
+@pytest.mark.parametrize("name", combine.COMBINE)
+def test_memory_does_not_grow_with_the_number_of_frames(name):
+    """A stream is read once; besides the first frame only the last two are alive."""
+    seen: list[weakref.ref] = []
 
     def stream():
         for frame in noisy_frames(20, 0):
-            assert sum(ref() is not None for ref in alive) <= 2
-            alive.append(weakref.ref(frame))
+            assert sum(ref() is not None for ref in seen) <= 3
+            seen.append(weakref.ref(frame))
             yield frame
+            del frame
 
-    combine.mean(stream())
+    still = [RigidTransform(np.eye(3), np.zeros(3))] * 20
+    combine.COMBINE[name](stream(), poses=still)
+    assert len(seen) == 20
 
 
 def test_filled_pixels_are_not_measurements():

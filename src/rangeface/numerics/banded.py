@@ -163,13 +163,13 @@ def noise_gains(levels: list[tuple[Banded, Banded]], length: int) -> list[tuple[
     levels : list of (low, high)
         Analysis matrices of successive levels, the first for `length` samples.
     length : int
-        Long against the filters of the last level.
+        At least 1.5 times what a filter of the last level spans.
 
     Returns
     -------
     list of (side, diagonal)
-        Per level: of lh and hl, and of hh. Root mean squares over the middle half of the rows,
-        where no border is seen.
+        Per level: of lh and hl, and of hh. Root mean squares over the middle quarter of the
+        rows, where no border is seen.
 
     Examples
     --------
@@ -188,6 +188,6 @@ def noise_gains(levels: list[tuple[Banded, Banded]], length: int) -> list[tuple[
 
 
 def _rms_row(rows: Image) -> float:
-    quarter = len(rows) // 4
-    middle = rows[quarter : len(rows) - quarter]
+    edge = 3 * len(rows) // 8
+    middle = rows[edge : len(rows) - edge]
     return float(np.sqrt(np.mean(np.sum(middle.astype(np.float64) ** 2, axis=1))))

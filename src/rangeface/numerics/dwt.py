@@ -114,7 +114,7 @@ def inverse(bands: Decomposition) -> Image:
 @lru_cache(maxsize=32)
 def noise_gains(levels: int, wavelet: str) -> list[tuple[float, float]]:
     """Standard deviation of white unit noise, per level: sides, diagonal (1 if orthonormal)."""
-    length = n = len(_filters(wavelet)[0]) << levels
+    length = n = 2 * len(_filters(wavelet)[0]) << levels
     matrices = []
     for _ in range(levels):
         low, high = _analysis(wavelet, n)

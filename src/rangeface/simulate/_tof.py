@@ -19,7 +19,7 @@ from rangeface.types import Camera, Float32, RangeImage
 
 Complex64: TypeAlias = NDArray[np.complex64]
 
-_SHINE_POWER = 400.0  # the lamp's image on a wet eye is a few degrees wide
+_SHINE_POWER = 100.0  # the lamp's image on a wet eye is some ten degrees wide
 _HOLLOW_MM = 20.0  # depth of a hollow that receives the whole second bounce
 _NEAR_PX = 6.0  # how far a second bounce reaches
 

@@ -17,43 +17,34 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rangeface import classify, denoise, describe, register
-from rangeface.numerics.se3 import rotation_matrix
+from rangeface import classify, denoise, describe
+from rangeface.evaluation.experiments.noisy_captures import (
+    QUIET_MM,
+    ROLES,
+    TRAINING,
+    Noise,
+    Surfaces,
+    captures,
+    ict_heads,
+    noisy,
+    observed,
+    own_heads,
+)
 from rangeface.numerics.statistics import bootstrap_over_groups, wilson
 from rangeface.pipeline import Step, step
-from rangeface.simulate import head, mean_head, render
-from rangeface.types import (
-    Alignment,
-    Face,
-    Float32,
-    Float64,
-    Pinhole,
-    PointSet,
-    RangeImage,
-    ReferenceFace,
-    RigidTransform,
-)
+from rangeface.types import Float32, Float64, RangeImage
 
 REVISION = 1
 
-# σ that a clean scan states: every scan of a sensor has one, and normals weigh by it
-_QUIET_MM = 0.01
 # one grey level of the paper's images: 14 cm on 255 levels
 _GREY_MM = 140.0 / 255.0
 _PAPER = {"48 dB": 1, "42 dB": 2, "38 dB": 3, "34 dB": 5}
 
-
-class Noise(NamedTuple):
-    """Where the noise enters ("crop", "scan" or "tof") and its σ (at the median pixel), mm."""
-
-    site: str
-    sigma_mm: float
-
-
 LEVELS = {
-    "crop clean": Noise("crop", _QUIET_MM),
-    "scan clean": Noise("scan", _QUIET_MM),
+    "crop clean": Noise("crop", QUIET_MM),
+    "scan clean": Noise("scan", QUIET_MM),
     **{f"crop {name}": Noise("crop", n * _GREY_MM) for name, n in _PAPER.items()},
     **{f"scan {name}": Noise("scan", n * _GREY_MM) for name, n in _PAPER.items()},
     **{f"tof {mm} mm": Noise("tof", float(mm)) for mm in (1, 2, 4, 8)},
@@ -100,120 +91,7 @@ CLASSIFIERS: dict[str, Callable[[], classify.Matcher]] = {
     "MLDA": lambda: classify.MLDA(180, alpha=6.0),
 }
 
-_ROLES = ("neutral", "smile", "neutral again", "laugh")
-_TRAINING = _ROLES[:2]
-# time of flight at arm's length: 2 mm a pixel
-_CAMERA = Pinhole(200.0, 200.0, 87.5, 71.5, 176, 144)
-_DISTANCE_MM = 400.0
-
 Done: TypeAlias = dict[tuple[str, str, str], Mapping[str, Any]]
-Surfaces: TypeAlias = Callable[[int, str, np.random.Generator], PointSet]
-
-
-# ── populations ──────────────────────────────────────────────────────────────────────────
-
-
-def ict_heads(path: Path) -> Surfaces:
-    """People of the ICT-FaceKit model (the npz of the development data) by number."""
-    with np.load(path) as model:
-        mean, identity, expression = (model[k] for k in ("mean", "ident", "expr"))
-        triangles, names = model["tri"], [str(name) for name in model["expr_names"]]
-        tip = int(model["lm68"][30])
-    smile = {"mouthSmile_L": 0.6, "mouthSmile_R": 0.5, "cheekSquint_L": 0.3, "cheekSquint_R": 0.3}
-    laugh = {**smile, "mouthSmile_L": 1.0, "mouthSmile_R": 0.9, "jawOpen": 0.45}
-    faces: dict[str, dict[str, float]] = {"smile": smile, "laugh": laugh}
-
-    def surface(person: int, role: str, rng: np.random.Generator) -> PointSet:
-        own = np.random.default_rng([3, person])
-        w = np.clip(own.normal(size=len(identity)), -2.8, 2.8)
-        # nobody holds still twice: a trace of every expression, another at each capture
-        v = np.abs(rng.normal(0.0, 0.05, len(names)))
-        for name, strength in faces.get(role, {}).items():
-            v[names.index(name)] += strength * rng.uniform(0.8, 1.2)
-        points = mean + 0.01 * (np.tensordot(w, identity, 1) + np.tensordot(v, expression, 1))
-        return PointSet((points - points[tip]) * [1.0, -1.0, -1.0], triangles)
-
-    return surface
-
-
-def own_heads() -> Surfaces:
-    """People of `rangeface.simulate` by number: a session a capture, a stretch for a laugh."""
-
-    def surface(person: int, role: str, rng: np.random.Generator) -> PointSet:
-        return head(person, session=_ROLES.index(role)).surface
-
-    return surface
-
-
-# ── captures ─────────────────────────────────────────────────────────────────────────────
-
-
-class Capture(NamedTuple):
-    """A clean scan, where the registration (not quite) puts the face, and the crop."""
-
-    scan: RangeImage
-    alignment: Alignment
-    frontal: RangeImage
-
-
-@lru_cache(maxsize=2)
-def _captures(surfaces: Surfaces, people: range) -> dict[str, list[Capture]]:
-    return {
-        role: [_capture(surfaces, person, number) for person in people]
-        for number, role in enumerate(_ROLES)
-    }
-
-
-def _capture(surfaces: Surfaces, person: int, number: int) -> Capture:
-    rng = np.random.default_rng([1, person, number])
-    surface = surfaces(person, _ROLES[number], rng)
-    turn = rotation_matrix(np.deg2rad(rng.normal(0.0, 4.0, 3)))
-    T_camera_face = RigidTransform(
-        turn, np.array([*rng.normal(0.0, 10.0, 2), _DISTANCE_MM]), "camera", "face"
-    )
-    scene = render(surface, _CAMERA, T_camera_face)
-    # light falls off with the square of the distance and the cosine of incidence
-    cosine = np.clip(-scene.normal[..., 2], 0.05, 1.0)
-    amplitude = np.nan_to_num(cosine * (_DISTANCE_MM / scene.depth) ** 2)
-    quiet = np.full(scene.depth.shape, _QUIET_MM)
-    scan = RangeImage(scene.depth, _CAMERA, sigma=quiet, amplitude=amplitude)
-    # a registration is wrong by about a degree and a millimetre
-    slip = rotation_matrix(np.deg2rad(rng.normal(0.0, 0.8, 3)))
-    T = T_camera_face.inverse()
-    moved = slip @ T.translation + rng.normal(0.0, 0.7, 3)
-    alignment = Alignment(RigidTransform(slip @ T.rotation, moved))
-    return Capture(scan, alignment, _frontal(scan, alignment))
-
-
-def _frontal(scan: RangeImage, alignment: Alignment) -> RangeImage:
-    nose = alignment.transform.inverse().translation
-    return register.frontal.resample(Face(scan, nose), alignment, reference=_reference())
-
-
-@lru_cache(maxsize=1)
-def _reference() -> ReferenceFace:
-    camera = register.frontal.grid(140.0, 224.0, 50, 80)
-    return ReferenceFace(render(mean_head(), camera).image, name="mean head")
-
-
-def observed(
-    capture: Capture, noise: Noise, denoiser: Step, rng: np.random.Generator
-) -> RangeImage:
-    """The frontal image of a capture after noise and denoising, in the order of the site."""
-    if noise.site == "crop":
-        return denoiser(_noisy(capture.frontal, noise.sigma_mm, rng))
-    scan = capture.scan
-    sigma: Float32 | float = noise.sigma_mm
-    if noise.site == "tof":
-        assert scan.amplitude is not None
-        A = np.maximum(scan.amplitude, 1e-3)
-        sigma = noise.sigma_mm * np.median(A[scan.mask]) / A
-    return _frontal(denoiser(_noisy(scan, sigma, rng)), capture.alignment)
-
-
-def _noisy(image: RangeImage, sigma: Float32 | float, rng: np.random.Generator) -> RangeImage:
-    noise = sigma * rng.standard_normal(image.shape)
-    return image.with_depth(image.depth + noise, sigma=np.broadcast_to(sigma, image.shape))
 
 
 # ── cells ────────────────────────────────────────────────────────────────────────────────
@@ -265,12 +143,12 @@ def cell(run: Run, level: str, denoiser: str) -> dict[str, Any]:
 def _cell(run: Run, noise: Noise, method: Step) -> dict[str, Any]:
     images = _observed(run, noise, method)
     people = np.arange(len(run.people))
-    train, probes = np.tile(people, len(_TRAINING)), np.tile(people, len(_ROLES) - len(_TRAINING))
+    train, probes = np.tile(people, len(TRAINING)), np.tile(people, len(ROLES) - len(TRAINING))
     hits: dict[str, dict[str, dict[str, str]]] = {}
     for feature, describer in (_BARE if noise.site == "crop" else _DEFAULT).items():
-        rows = {role: _vectors(images[role], describer) for role in _ROLES}
-        P = np.concatenate([rows[role] for role in _ROLES[len(_TRAINING) :]])
-        X = np.concatenate([rows[role] for role in _TRAINING])
+        rows = {role: _vectors(images[role], describer) for role in ROLES}
+        P = np.concatenate([rows[role] for role in ROLES[len(TRAINING) :]])
+        X = np.concatenate([rows[role] for role in TRAINING])
         for name in CLASSIFIERS:
             # clean training knows neither the noise nor the denoiser
             clean, G = _trained(run, noise.site, feature, name)
@@ -279,7 +157,7 @@ def _cell(run: Run, noise: Noise, method: Step) -> dict[str, Any]:
                 "clean": _hits(clean, G, train, P, probes),
                 "matched": _hits(matched, matched.transform(X), train, P, probes),
             }
-    noisy_crop = noise.site == "crop" and noise.sigma_mm > _QUIET_MM
+    noisy_crop = noise.site == "crop" and noise.sigma_mm > QUIET_MM
     return {"hits": hits, "gain_db": _gain_db(run, noise, method) if noisy_crop else None}
 
 
@@ -288,9 +166,9 @@ def _observed(run: Run, noise: Noise, method: Step) -> dict[str, list[RangeImage
     return {
         role: [
             observed(c, noise, method, np.random.default_rng([2, person, number]))
-            for person, c in zip(run.people, captures, strict=True)
+            for person, c in zip(run.people, taken, strict=True)
         ]
-        for number, (role, captures) in enumerate(_captures(run.surfaces, run.people).items())
+        for number, (role, taken) in enumerate(captures(run.surfaces, run.people).items())
     }
 
 
@@ -301,11 +179,9 @@ def _vectors(images: list[RangeImage], describer: Step) -> Float32:
 @lru_cache(maxsize=40)
 def _trained(run: Run, site: str, feature: str, classifier: str) -> tuple[Any, Float32]:
     describer = (_BARE if site == "crop" else _DEFAULT)[feature]
-    captures = _captures(run.surfaces, run.people)
-    X = np.concatenate(
-        [_vectors([c.frontal for c in captures[role]], describer) for role in _TRAINING]
-    )
-    model = CLASSIFIERS[classifier]().fit(X, np.tile(np.arange(len(run.people)), len(_TRAINING)))
+    taken = captures(run.surfaces, run.people)
+    X = np.concatenate([_vectors([c.frontal for c in taken[role]], describer) for role in TRAINING])
+    model = CLASSIFIERS[classifier]().fit(X, np.tile(np.arange(len(run.people)), len(TRAINING)))
     return model, model.transform(X)
 
 
@@ -316,12 +192,12 @@ def _hits(model: Any, G: Float32, names: Any, P: Float32, truth: Any) -> str:
 
 def _gain_db(run: Run, noise: Noise, method: Step) -> float:
     before, after = [], []
-    captures = _captures(run.surfaces, run.people)["neutral"]
-    for person, capture in zip(run.people, captures, strict=True):
+    taken = captures(run.surfaces, run.people)["neutral"]
+    for person, capture in zip(run.people, taken, strict=True):
         clean = capture.frontal
-        noisy = _noisy(clean, noise.sigma_mm, np.random.default_rng([2, person, 0]))
-        before.append(np.nanmean((noisy.depth - clean.depth) ** 2))
-        after.append(np.nanmean((method(noisy).depth - clean.depth) ** 2))
+        image = noisy(clean, noise.sigma_mm, np.random.default_rng([2, person, 0]))
+        before.append(np.nanmean((image.depth - clean.depth) ** 2))
+        after.append(np.nanmean((method(image).depth - clean.depth) ** 2))
     return float(10.0 * np.log10(np.mean(before) / np.mean(after)))
 
 
@@ -417,16 +293,19 @@ def differences(done: Done, first: str = "auto", second: str = "none") -> Iterat
         base = done[population, level, second]["hits"]
         for feature, hits in content["hits"].items():
             gain = 100.0 * (_by_person(hits) - _by_person(base[feature]))
-            interval = bootstrap_over_groups(
-                lambda people, gain=gain: float(np.mean(gain[people])),
-                np.arange(len(gain)),
-                rng=np.random.default_rng(0),
-            )
-            yield [population, level, feature, float(gain.mean()), *interval]
+            yield [population, level, feature, float(gain.mean()), *_interval(gain)]
+
+
+def _interval(gain: Float64) -> tuple[float, float]:
+    def mean(people: NDArray[np.intp]) -> float:
+        return float(np.mean(gain[people]))
+
+    low, high = bootstrap_over_groups(mean, np.arange(len(gain)), rng=np.random.default_rng(0))
+    return low, high
 
 
 def _by_person(hits: Mapping[str, Mapping[str, str]]) -> Float64:
     strings = [string for by_training in hits.values() for string in by_training.values()]
     right = np.array([[digit == "1" for digit in string] for string in strings], dtype=np.float64)
     # probes run through all people once per role
-    return right.reshape(len(strings), len(_ROLES) - len(_TRAINING), -1).mean(axis=(0, 1))
+    return right.reshape(len(strings), len(ROLES) - len(TRAINING), -1).mean(axis=(0, 1))

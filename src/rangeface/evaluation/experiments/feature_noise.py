@@ -90,7 +90,12 @@ ARMS: dict[str, Arm] = {
 
 
 def run(
-    *, seed: int = 0, people: int = 40, probes: int = 2, ict: Path | None = None
+    *,
+    seed: int = 0,
+    people: int = 40,
+    probes: int = 2,
+    pitches_mm: tuple[float, ...] = PITCHES_MM,
+    ict: Path | None = None,
 ) -> dict[str, Any]:
     """Measure d′ of every feature against noise and pixel size.
 
@@ -102,6 +107,8 @@ def run(
         Number of people in each population, ≥ 3.
     probes : int
         Probes of each person.
+    pitches_mm : tuple of float
+        Pixel sizes, mm; the ranking needs 2.8.
     ict : Path, optional
         The morphable model `ict_facekit_mm.npz`; without it only our own heads are used.
 
@@ -118,7 +125,7 @@ def run(
     cells = [
         cell
         for name, heads in populations.items()
-        for pitch_mm in PITCHES_MM
+        for pitch_mm in pitches_mm
         for cell in _cells(name, heads, pitch_mm, seed)
     ]
     return {"seed": seed, "people": people, "cells": cells, "ranking": ranking(cells)}
@@ -232,9 +239,11 @@ def interval(
     table = D.reshape(people, per_person, people)
     found = []
     for _ in range(draws):
-        drawn = rng.integers(0, people, people)
+        drawn = rng.choice(np.arange(people), people)
         sample = table[drawn][:, :, drawn]
         same = np.broadcast_to((drawn[:, None] == drawn)[:, None], sample.shape)
+        if same.all():
+            continue  # one person only: nobody to be told from
         within, between = sample[same], sample[~same]
         spread = np.sqrt(0.5 * (within.var() + between.var()))
         found.append((between.mean() - within.mean()) / max(spread, 1e-12))

@@ -98,7 +98,7 @@ def _merged(lowpass: Image, detail: Bands, down: Level, along: Level) -> Image:
 @lru_cache(maxsize=32)
 def noise_gains(levels: int, first: str, further: str) -> list[tuple[float, float]]:
     """Standard deviation of white unit noise in each real part, per level: sides, diagonal."""
-    length = 16 << levels
+    length = 32 << levels
     matrices, n = [], length
     for number in range(1, levels + 1):
         step = level(number, n, first, further)
