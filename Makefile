@@ -36,5 +36,8 @@ bench: $(READY)
 reference: $(READY)
 	$(BIN)/python -m rangeface.app.reference
 
+fuzz: $(READY)
+	$(BIN)/python tests/fuzz.py --cases $(or $(CASES),20000)
+
 clean:
 	rm -rf $(VENV) .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -162,7 +162,7 @@ def capture(
     )
     model = replace(model, camera=_window(model.camera, distance_mm))
     scene = simulate.render(head, model.camera, pose, oversample=3)
-    return [simulate.tof(scene, model, rng=rng) for _ in range(frames)]
+    return list(simulate.frames(scene, model, frames, rng=rng))
 
 
 def _window(camera: Pinhole, distance_mm: float) -> Pinhole:
