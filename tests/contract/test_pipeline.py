@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.conftest import sr3000_face
 
 from rangeface import config, denoise, describe, segment
 from rangeface.classify import MLDA, PCA
@@ -14,7 +15,6 @@ from rangeface.errors import NoFaceError, ParameterError
 from rangeface.gallery import stack
 from rangeface.pipeline import FacePipeline, Head, step
 from rangeface.types import Reason
-from tests.conftest import sr3000_face
 
 PEOPLE = (3, 4, 5)
 
@@ -40,7 +40,7 @@ def test_a_step_binds_its_parameters_and_can_be_compared_hashed_and_pickled() ->
 
 
 def test_a_wrong_parameter_fails_where_it_is_written_and_names_the_right_ones() -> None:
-    with pytest.raises(ParameterError, match="unknown parameter 'size'; it takes .*size_px"):
+    with pytest.raises(ParameterError, match=r"unknown parameter 'size'; it takes .*size_px"):
         step(denoise.median, size=5)
 
 

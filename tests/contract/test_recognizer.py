@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.conftest import sr3000_face
 
 from rangeface import config
 from rangeface.errors import GalleryError, ParameterError, ScanError
 from rangeface.gallery import MemoryGallery
 from rangeface.recognizer import FaceRecognizer
 from rangeface.types import Reason, Verdict
-from tests.conftest import sr3000_face
 
 PEOPLE = tuple(range(20, 32))
 
@@ -92,7 +92,7 @@ def test_every_flipped_byte_and_every_cut_of_a_model_file_is_noticed(recognizer,
         path.write_bytes(broken)
         with pytest.raises(ScanError, match=r"m\.model"):
             FaceRecognizer.load(path)
-    for part in range(0, 64):
+    for part in range(64):
         path.write_bytes(whole[: len(whole) * part // 64])
         with pytest.raises(ScanError, match=r"m\.model"):
             FaceRecognizer.load(path)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tests.conftest import sr3000_face
 
 from rangeface import register, segment, simulate
 from rangeface.errors import NoFaceError
 from rangeface.numerics.se3 import rotation_angle
 from rangeface.types import Face, Pinhole, RangeImage, Reason
-from tests.conftest import sr3000_face
 
 CAMERA = Pinhole(230.0, 230.0, 87.5, 71.5, 176, 144)
 POSES = [(0.0, 0.0), (25.0, 0.0), (-25.0, 5.0), (0.0, 20.0), (0.0, -20.0)]

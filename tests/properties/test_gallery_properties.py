@@ -1,6 +1,7 @@
 """Any history of operations leaves what a plain dictionary would hold."""
 
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from datetime import date
 
 import numpy as np
@@ -73,3 +74,50 @@ class Histories(RuleBasedStateMachine):
 
 TestHistories = Histories.TestCase
 TestHistories.settings = settings(max_examples=15, stateful_step_count=15, deadline=None)
+
+
+def run_mixed(path, operations: int) -> None:
+    """Threads that share one gallery and others with their own connection, all on one file."""
+    shared = SqliteGallery(path)
+
+    def work(number: int) -> dict[str, float]:
+        rng = np.random.default_rng(number)
+        gallery = shared if number % 2 else SqliteGallery(path)
+        mine: dict[str, float] = {}
+        for k in range(operations // 4):
+            choice = rng.random()
+            if choice < 0.3:
+                value = float(rng.integers(1000))
+                gallery.enroll(f"{number}-{k}", Template(([[value, number]],), "f"))
+                mine[f"{number}-{k}"] = value
+            elif choice < 0.4 and mine:
+                name = str(rng.choice(list(mine)))
+                assert gallery.delete(name) == 1
+                del mine[name]
+            else:
+                view = gallery.view()
+                seen = {
+                    name: float(view.vectors[0][row, 0])
+                    for row, name in enumerate(view.subjects)
+                    if name.startswith(f"{number}-")
+                }
+                assert seen == mine
+        if gallery is not shared:
+            gallery.close()
+        return mine
+
+    with ThreadPoolExecutor(4) as pool:
+        expected = {k: v for mine in pool.map(work, range(4)) for k, v in mine.items()}
+    with shared:
+        view = shared.view()
+        assert dict(zip(view.subjects, view.vectors[0][:, 0].tolist(), strict=True)) == expected
+        assert len(shared.audit()) >= len(expected)
+
+
+def test_concurrent_operations_see_their_own_writes_and_lose_none(tmp_path):
+    run_mixed(tmp_path / "g.db", 200)
+
+
+@pytest.mark.slow
+def test_ten_thousand_concurrent_operations(tmp_path):
+    run_mixed(tmp_path / "g.db", 10_000)

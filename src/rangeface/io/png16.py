@@ -32,7 +32,7 @@ def parse(source: Source) -> RangeImage:
     """Depth image of a PNG, with its camera file or TrueDepth's JSON."""
     raw = pixels(source)
     height, width = raw.shape
-    if source.sibling([source.path.stem + ".toml"]) is None:
+    if source.sibling([source.path.stem + ".toml", "camera.toml"]) is None:
         camera = truedepth.intrinsics(source, width, height)
         if camera is not None:
             return depth_image(source, raw, unit=truedepth.UNIT, camera=camera)

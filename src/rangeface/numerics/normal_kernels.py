@@ -21,7 +21,8 @@ def _or(value, fallback):  # type: ignore[no-untyped-def]
 def _pad(row, padded):  # type: ignore[no-untyped-def]
     """Copy a row between two NaN, so that the image ends as a hole begins."""
     padded[0] = np.nan
-    padded[1:-1] = row
+    for u in range(row.size):  # faster here than an assignment of slices
+        padded[u + 1] = row[u]
     padded[-1] = np.nan
 
 
@@ -44,10 +45,11 @@ def _scale(depth, nx, ny, nz):  # type: ignore[no-untyped-def]
 @_inlined
 def _interleave(planes, row):  # type: ignore[no-untyped-def]
     """Planes (3, W) → row (W, 3): the arithmetic stays contiguous, hence vectorised."""
-    for u in range(row.shape[0]):
-        row[u, 0] = planes[0, u]
-        row[u, 1] = planes[1, u]
-        row[u, 2] = planes[2, u]
+    flat, NX, NY, NZ = row.ravel(), planes[0], planes[1], planes[2]
+    for u in range(NX.size):
+        flat[3 * u] = NX[u]
+        flat[3 * u + 1] = NY[u]
+        flat[3 * u + 2] = NZ[u]
 
 
 @_kernel
