@@ -74,7 +74,7 @@ def _mirror_line(f, u0, v0, pitch, iterations):  # type: ignore[no-untyped-def]
             break
         cholesky.solve(A, b)
         c, phi, k = c - b[0], phi - b[1], k - b[2]
-        if abs(b[0]) < 0.01 and abs(b[1]) < 1e-4:
+        if abs(b[0]) < 0.05 and abs(b[1]) < 1e-3:
             break
     return c, phi
 
