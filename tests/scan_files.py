@@ -13,6 +13,7 @@ import zlib
 import numpy as np
 
 from rangeface.io import mcap, png16
+from rangeface.io._mcap_writer import encode
 from rangeface.types import Pinhole, RangeImage
 
 CAMERA = Pinhole(fx=180.0, fy=182.0, cx=12.3, cy=14.6, width=26, height=30)
@@ -484,7 +485,7 @@ def vap():
 def recording():
     z = np.where(depth() > 0, depth(), np.nan)
     frames = [RangeImage(z + k, CAMERA) for k in range(3)]
-    return {"r.mcap": mcap.encode(frames)}
+    return {"r.mcap": encode(frames)}
 
 
 def recording_chunked(packing=""):
@@ -511,6 +512,30 @@ def recording_chunked(packing=""):
     )
     chunk = struct.pack("<BQ", 6, len(chunk)) + chunk
     return {"c.mcap": mcap.MAGIC + records[0] + chunk + b"".join(records[-2:]) + mcap.MAGIC}
+
+
+def recording_compressed_images(pixels, *, ros1):
+    """One sensor_msgs/CompressedImage of ROS 1 or ROS 2."""
+
+    def text(word, *, cdr=False):
+        data = word.encode() + (b"\0" if cdr else b"")
+        return struct.pack("<I", len(data)) + data
+
+    def record(kind, body):
+        return struct.pack("<BQ", kind, len(body)) + body
+
+    body = bytes(12) if ros1 else bytes(8)  # sequence and stamp
+    for word in ("depth", "16UC1; compressedDepth png"):
+        body += text(word, cdr=not ros1)
+        body += b"" if ros1 else bytes(-len(body) % 4)
+    data = bytes(12) + png16.encode(pixels)
+    body += struct.pack("<I", len(data)) + data
+    name = "sensor_msgs/CompressedImage" if ros1 else "sensor_msgs/msg/CompressedImage"
+    kind = "ros1" if ros1 else "cdr"
+    schema = record(3, struct.pack("<H", 1) + text(name) + text(f"{kind}msg") + text(""))
+    head = struct.pack("<HH", 1, 1) + text("/depth") + text(kind) + struct.pack("<I", 0)
+    message = struct.pack("<HIQQ", 1, 0, 0, 0) + (b"" if ros1 else b"\0\1\0\0") + body
+    return {"z.mcap": mcap.MAGIC + schema + record(4, head) + record(5, message) + mcap.MAGIC}
 
 
 #: Everything that is a scan, by a name of its own.

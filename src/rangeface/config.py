@@ -123,9 +123,8 @@ def from_toml(text: str) -> FacePipeline:
         raise ParameterError(f"broken TOML: {error}") from error
     unknown = sorted(set(table) - set(STAGES) - {"heads"} - _OPTIONAL)
     if unknown:
-        raise ParameterError(
-            f"unknown slot {unknown[0]!r}; known: {', '.join([*STAGES, 'heads', *sorted(_OPTIONAL - set(STAGES))])}"
-        )
+        known = ", ".join([*STAGES, "heads", "adapt_reference", "augment_deg"])
+        raise ParameterError(f"unknown slot {unknown[0]!r}; known: {known}")
     slots: dict[str, Any] = {
         slot: _step(slot, table.get(slot, _DEFAULTS.get(slot)), methods)
         for slot, methods in STAGES.items()

@@ -116,9 +116,8 @@ def step(method: Callable[..., Any], /, **params: Any) -> Step:
     }
     for name in params:
         if name not in known:
-            raise ParameterError(
-                f"{method.__name__}: unknown parameter {name!r}; it takes {', '.join(sorted(known))}"
-            )
+            takes = ", ".join(sorted(known))
+            raise ParameterError(f"{method.__name__}: unknown parameter {name!r}; it takes {takes}")
     return Step(method, tuple(sorted((k, _hashable(v)) for k, v in params.items())))
 
 
@@ -278,6 +277,7 @@ class FacePipeline:
             denoised = self.denoise(image)
         with _timed(times, "segment"):
             faces = self.segment(denoised)
+        assert isinstance(image, RangeImage)
         start = Trace(image, denoised, faces, reason=faces.reason, times_ms=times)
         if not faces:
             yield start

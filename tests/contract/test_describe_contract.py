@@ -102,3 +102,16 @@ def test_tables_name_the_same_methods():
 def test_infrared_features_ask_for_an_amplitude(name):
     with pytest.raises(ParameterError, match="amplitude"):
         describe.METHODS[name](head(amplitude=False))
+
+
+@pytest.mark.parametrize("name", describe.UNCERTAINTY)
+def test_uncertainty_grows_with_the_noise(name):
+    method = describe.UNCERTAINTY[name]
+    image = head(holes=True)
+    small, large = method(image, sigma_mm=0.5), method(image, sigma_mm=1.0)
+    assert small.shape[:2] == image.shape
+    assert small.dtype == np.float32
+    known = np.isfinite(small)
+    assert known[image.mask].mean() > 0.9
+    power = 2 if name == "normals" else 1  # a covariance, a standard deviation
+    np.testing.assert_allclose(large[known], 2.0**power * small[known], rtol=1e-3, atol=1e-9)

@@ -59,6 +59,7 @@ BAD = [
     ("vertical_profile", {"half_width_mm": -1.0}, "half_width_mm"),
     ("vertical_profile", {"smooth_mm": -1.0}, "smooth_mm"),
     ("horizontal_profile", {"at": "ear"}, "at"),
+    ("profiles", {"by": "eye"}, "by"),
     ("radial_curves", {"curves": 7}, "curves"),
     ("radial_curves", {"points": 0}, "points"),
     ("dtcwt", {"levels": ()}, "levels"),
@@ -116,6 +117,13 @@ def test_profile_that_meets_nothing():
     depth[:, 0] = 1.0
     with pytest.raises(DegenerateError):
         describe.vertical_profile(RangeImage(depth, IMAGE.camera))
+
+
+@pytest.mark.parametrize("name", ["normals", "n3", "curvature", "vertical_profile", "profiles"])
+def test_sigma_of_zero(name):
+    certain = RangeImage(IMAGE.depth, IMAGE.camera, sigma=np.zeros(IMAGE.shape))
+    with pytest.raises(ParameterError, match="sigma"):
+        describe.METHODS[name](certain)
 
 
 def test_amplitude_without_light():

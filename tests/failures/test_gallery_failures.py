@@ -1,5 +1,6 @@
 """What a gallery refuses, and what it survives."""
 
+import builtins
 import os
 import signal
 import sqlite3
@@ -11,8 +12,16 @@ import numpy as np
 import pytest
 
 from rangeface.errors import GalleryError
-from rangeface.gallery import MemoryGallery, SqliteGallery, open_gallery
+from rangeface.gallery import (
+    MemoryGallery,
+    SqliteGallery,
+    export_gallery,
+    import_gallery,
+    open_gallery,
+    read_key,
+)
 from rangeface.gallery._schema import MIGRATIONS
+from rangeface.io.arrays import write_arrays
 from rangeface.types import Template
 
 WRITER = textwrap.dedent(
@@ -193,11 +202,25 @@ def test_a_newer_version_is_refused(tmp_path):
 def test_a_full_disk_is_one_clear_line_and_loses_nothing(tmp_path):
     with SqliteGallery(tmp_path / "g.db") as gallery:
         gallery.enroll("ann", template(0))
-        pages = gallery._db.execute("PRAGMA page_count").fetchone()[0]
-        gallery._db.execute(f"PRAGMA max_page_count = {pages}")
+        pages = gallery._db.one("PRAGMA page_count")[0]
+        gallery._db.run(f"PRAGMA max_page_count = {pages}")
         with pytest.raises(GalleryError, match="full"):
             gallery.enroll("bob", template(1, width=3000))
         assert gallery.view().subjects == ("ann",)
+
+
+def test_a_commit_that_fails_is_forgotten(tmp_path):
+    with SqliteGallery(tmp_path / "g.db", timeout_s=0.05) as gallery:
+        gallery.enroll("ann", template(0))
+        reader = sqlite3.connect(tmp_path / "g.db", isolation_level=None)
+        reader.execute("BEGIN")
+        reader.execute("SELECT * FROM people").fetchone()  # a shared lock stops the commit only
+        with pytest.raises(GalleryError, match="locked"):
+            gallery.enroll("bob", template(1))
+        reader.close()
+        assert gallery.subjects() == gallery.view().subjects == ("ann",)
+        gallery.enroll("cy", template(2))
+        assert gallery.view().subjects == ("ann", "cy")
 
 
 def test_a_locked_file_is_one_clear_line(tmp_path):
@@ -257,3 +280,139 @@ def test_an_unknown_person(tmp_path, kind, verb):
         pytest.raises(GalleryError, match="not enrolled"),
     ):
         getattr(gallery, verb)("nobody")
+
+
+# ── keys ─────────────────────────────────────────────────────────────────────────────────
+
+KEY, OTHER = bytes(32), bytes([1] * 32)
+
+
+def test_a_wrong_or_missing_key_is_one_clear_line(tmp_path):
+    pytest.importorskip("cryptography")
+    with SqliteGallery(tmp_path / "g.db", key=KEY) as gallery:
+        gallery.enroll("ann", template(0))
+    with pytest.raises(GalleryError, match="wrong key"):
+        SqliteGallery(tmp_path / "g.db", key=OTHER)
+    with pytest.raises(GalleryError, match="is encrypted; give its key"):
+        SqliteGallery(tmp_path / "g.db")
+    with pytest.raises(GalleryError, match="32 bytes"):
+        SqliteGallery(tmp_path / "g.db", key=b"short")
+
+
+def test_a_plain_gallery_is_not_encrypted_by_giving_a_key(tmp_path):
+    pytest.importorskip("cryptography")
+    SqliteGallery(tmp_path / "g.db").close()
+    with pytest.raises(GalleryError, match="is not encrypted; export"):
+        SqliteGallery(tmp_path / "g.db", key=KEY)
+
+
+def test_records_cannot_change_names_even_with_new_digests(tmp_path):
+    pytest.importorskip("cryptography")
+    from rangeface.gallery._vault import Vault
+
+    vault = Vault(KEY)
+    with pytest.raises(GalleryError, match="altered"):
+        vault.open(vault.seal(b"template", "ann"), "bob")
+    with pytest.raises(GalleryError, match="altered"):
+        vault.open(b"", "ann")
+
+
+def test_without_the_package_the_extra_is_named(tmp_path, monkeypatch):
+    really = builtins.__import__
+
+    def without(name, *rest, **kw):
+        if name.startswith("cryptography"):
+            raise ImportError(name)
+        return really(name, *rest, **kw)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(GalleryError, match=r"rangeface\[crypto\]"):
+        SqliteGallery(tmp_path / "g.db", key=KEY)
+    assert not (tmp_path / "g.db").exists()
+
+
+def test_keys_that_are_none(tmp_path):
+    with pytest.raises(GalleryError, match="not both"):
+        read_key({"RANGEFACE_GALLERY_KEY": "x", "RANGEFACE_GALLERY_KEY_FILE": "y"})
+    with pytest.raises(GalleryError, match="cannot be read"):
+        read_key({"RANGEFACE_GALLERY_KEY_FILE": str(tmp_path / "none")})
+    for text in ("x" * 64, "AAAA", "%%%"):
+        with pytest.raises(GalleryError, match="64 hexadecimal digits"):
+            read_key({"RANGEFACE_GALLERY_KEY": text})
+
+
+# ── copies and the log ───────────────────────────────────────────────────────────────────
+
+
+def test_a_backup_replaces_nothing_unless_asked(tmp_path):
+    with SqliteGallery(tmp_path / "g.db") as gallery:
+        gallery.enroll("ann", template(0))
+        gallery.backup(tmp_path / "copy.db")
+        with pytest.raises(GalleryError, match="exists"):
+            gallery.backup(tmp_path / "copy.db")
+        with pytest.raises(GalleryError, match="unable to open"):
+            gallery.backup(tmp_path / "none" / "copy.db")
+
+
+def test_a_damaged_gallery_is_not_backed_up(tmp_path):
+    with SqliteGallery(tmp_path / "g.db") as gallery:
+        gallery.enroll("ann", template(0))
+        raw = sqlite3.connect(tmp_path / "g.db")
+        with raw:
+            raw.execute("DELETE FROM templates")
+        raw.close()
+        with pytest.raises(GalleryError, match="damaged"):
+            gallery.backup(tmp_path / "copy.db")
+    assert not (tmp_path / "copy.db").exists()
+
+
+def test_exports_that_cannot_be(tmp_path):
+    gallery = MemoryGallery()
+    with pytest.raises(GalleryError, match="nobody is enrolled"):
+        export_gallery(gallery, tmp_path / "all.rfa")
+    gallery.enroll("ann", template(0))
+    with pytest.raises(GalleryError, match="No such file"):
+        export_gallery(gallery, tmp_path / "none" / "all.rfa")
+
+
+def test_imports_that_cannot_be(tmp_path):
+    full, empty = MemoryGallery(), MemoryGallery()
+    full.enroll("ann", template(0))
+    export_gallery(full, tmp_path / "all.rfa")
+    with pytest.raises(GalleryError, match="file not found"):
+        import_gallery(empty, tmp_path / "none.rfa")
+    write_arrays(tmp_path / "model.rfa", {"kind": "model"}, {})
+    with pytest.raises(GalleryError, match="no exported gallery"):
+        import_gallery(empty, tmp_path / "model.rfa")
+    other = MemoryGallery()
+    other.enroll("bob", template(1, fingerprint="g" * 64))
+    with pytest.raises(GalleryError, match="enrol everybody again"):
+        import_gallery(other, tmp_path / "all.rfa")
+    altered = bytearray((tmp_path / "all.rfa").read_bytes())
+    altered[-5] ^= 1
+    (tmp_path / "all.rfa").write_bytes(altered)
+    with pytest.raises(GalleryError, match="altered"):
+        import_gallery(empty, tmp_path / "all.rfa")
+    assert empty.subjects() == ()
+    assert other.subjects() == ("bob",)
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "DELETE FROM audit WHERE id = 2",
+        "DELETE FROM audit WHERE id = 3",
+        "UPDATE audit SET person = 7 WHERE id = 1",
+        "DELETE FROM meta WHERE key = 'last audit line'",
+    ],
+)
+def test_a_cut_or_altered_log_is_noticed(tmp_path, statement):
+    with SqliteGallery(tmp_path / "g.db") as gallery:
+        for i in range(3):
+            gallery.enroll(f"p{i}", template(i))
+        raw = sqlite3.connect(tmp_path / "g.db")
+        with raw:
+            raw.execute(statement)
+        raw.close()
+        with pytest.raises(GalleryError, match=r"audit log|row is missing"):
+            gallery.audit()

@@ -138,3 +138,16 @@ def test_a_users_folder_is_read_and_a_broken_file_fails_alone(tmp_path):
     assert first.load().depth[0, 0] == 700.0
     with pytest.raises(ScanError, match=r"gone\.png"):
         second.load()
+
+
+def test_points_in_micrometres_are_asked_about(tmp_path):
+    path = tmp_path / "a.xyz"
+    path.write_text("".join(f"{x} {y} 0\n" for x in range(0, 90_000, 900) for y in range(90)))
+    refuse(path, ScanFault.UNKNOWN_UNIT, "unit='um'")
+
+
+def test_a_conversion_to_an_unknown_format(tmp_path):
+    with pytest.raises(ParameterError, match="gif"):
+        io.convert_scan(tmp_path / "a.ply", tmp_path / "a.gif")
+    with pytest.raises(ScanError, match=r"none\.ply"):
+        io.convert_scan(tmp_path / "none.ply", tmp_path / "a.npz")

@@ -254,6 +254,8 @@ HOSTILE = {
     "mcap-record-beyond": mcap.MAGIC + struct.pack("<BQ", 5, 2**63),
     # nothing at all
     "empty": b"",
+    "gzip-of-nothing": gzip.compress(b""),
+    "only-a-mark": b"\xef\xbb\xbf",
     "one-byte": b"\0",
     "zeros": bytes(1 << 16),
     "ones": b"\xff" * (1 << 16),

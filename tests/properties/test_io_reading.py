@@ -193,3 +193,34 @@ def test_a_description_is_ready_to_print(tmp_path):
     assert found.near_mm < found.far_mm
     cloud = dict(io.describe_scan(files.write(files.pcd_binary(), tmp_path)).lines())
     assert cloud["unit"] == "m"
+
+
+def test_a_face_in_two_parts_stays_whole(tmp_path):
+    grid = files.face(60, 52, 2.0)
+    grid[22:30] = np.nan  # a band of 16 mm without a point
+    upper, lower = np.add(grid[:22], [0, 35, 0]), grid[30:]  # and 35 mm more
+    points = np.concatenate([p[np.isfinite(p[..., 2])] for p in (upper, lower)])
+    np.savetxt(tmp_path / "a.xyz", points)
+    image = io.read_scan(tmp_path / "a.xyz")
+    assert image.shape[0] * 1.5 > np.ptp(points[:, 1])
+
+
+@pytest.mark.parametrize("name", ["gavab", "png", "recording", "bnt"])
+@pytest.mark.parametrize("suffix", sorted(io.WRITERS))
+def test_conversion_keeps_the_surface(name, suffix, tmp_path):
+    path = files.write(files.FILES[name](), tmp_path)
+    target = tmp_path / f"converted{suffix}"
+    flat = name in ("gavab", "bnt")
+    if suffix == ".mcap" and flat:
+        with pytest.raises(ParameterError, match="pinhole"):
+            io.convert_scan(path, target)
+        return
+    io.convert_scan(path, target)
+    if suffix == ".ply":
+        points = io.read_points(path).points
+        assert np.abs(io.read_points(target).points - points).max() < 1e-3
+        return
+    back, image = io.read_scan(target), io.read_scan(path)
+    assert np.nanmax(np.abs(back.depth - image.depth)) < 0.011
+    if name == "recording" and suffix == ".mcap":
+        assert len(list(io.read_frames(target))) == 3

@@ -20,13 +20,15 @@ def reference(f, sigma, v, u, radius, degree):
 
 
 @pytest.mark.parametrize("degree", [1, 2])
-def test_follows_numpy_least_squares(degree):
+@pytest.mark.parametrize("weighted", [True, False])
+def test_follows_numpy_least_squares(degree, weighted):
     rng = np.random.default_rng(3)
     f = rng.normal(size=(12, 15))
     f[4:6, 7] = np.nan
-    sigma = rng.uniform(0.5, 2.0, f.shape)
-    found = localfit.fit(f, sigma=sigma, radius_px=3, degree=degree)
-    for v, u in [(0, 0), (5, 6), (6, 8), (11, 14), (3, 3)]:
+    sigma = rng.uniform(0.5, 2.0, f.shape) if weighted else np.ones(f.shape)
+    given = sigma if weighted else None
+    found = localfit.fit(f, sigma=given, radius_px=3, degree=degree)
+    for v, u in [(0, 0), (5, 6), (6, 8), (11, 14), (3, 3), (4, 11), (8, 7)]:
         np.testing.assert_allclose(
             found[v, u], reference(f, sigma, v, u, 3, degree), rtol=1e-4, atol=1e-5
         )

@@ -170,3 +170,66 @@ def test_gavabs_display_scale_is_passed_over_but_other_transforms_are_not(tmp_pa
     text = files.gavab()["cara1_frontal1.wrl"].replace(b"0.5 0.5 0.5", b"2 2 2")
     path = files.write({"b.wrl": text}, tmp_path)
     assert same_points(io.read_points(path).points, 2 * camera_axes(files.face()), 0.02)
+
+
+def test_vrml_comments_may_hold_brackets_and_a_mark_may_come_first(tmp_path):
+    text = files.vrml2()["F0001_NE00WH_F3D.wrl"].replace(b"# point", b"# [0] {point}")
+    path = files.write({"a.wrl": b"\xef\xbb\xbf" + text}, tmp_path)
+    assert same_points(io.read_points(path).points, camera_axes(files.face()))
+
+
+def test_swissranger_titles_may_follow_each_other(tmp_path):
+    text = files.swissranger()["sr.dat"]
+    text = b"% SwissRanger SR-3000, distance and amplitude\r\n% 2009-05-05\r\n" + text
+    image = io.read_scan(files.write({"a.dat": text}, tmp_path))
+    assert image.depth[72, 88] == pytest.approx(400.0, abs=0.01)
+
+
+@pytest.mark.parametrize("name", ["K", "intrinsics", "camera"])
+def test_npz_with_a_matrix(name, tmp_path):
+    K = np.array([[500.0, 0, 12], [0, 510, 14], [0, 0, 1]])
+    np.savez(tmp_path / "a.npz", depth=np.asfortranarray(files.depth()), **{name: K})
+    camera = io.read_scan(tmp_path / "a.npz").camera
+    assert (camera.fx, camera.fy, camera.cx, camera.cy) == (500, 510, 12, 14)
+
+
+def test_vrml_1_state_is_saved_by_separators(tmp_path):
+    text = """#VRML V1.0 ascii
+    DEF S Separator { Translation { translation 1000 0 0 }
+      Separator { Coordinate3 { point [ 0 0 0, 90 0 0, 0 90 0 ] }
+                  IndexedFaceSet { coordIndex [ 0 1 2 ] } } }
+    Separator { Rotation { rotation 0 0 1 3.14159265 }
+      Coordinate3 { point [ 0 0 0, 90 0 0, 0 90 0 ] } PointSet { numPoints 3 } }
+    Switch { whichChild 0 Separator { Coordinate3 { point [ 7 7 7 ] } PointSet { } }
+             Separator { Coordinate3 { point [ 8 8 8 ] } PointSet { } } }
+    """
+    path = files.write({"a.wrl": text.encode()}, tmp_path)
+    cloud = io.read_points(path)
+    expected = [[1000, 0, 0], [1090, 0, 0], [1000, -90, 0], [0, 0, 0], [-90, 0, 0], [0, 90, 0],
+                [7, -7, -7]]  # fmt: skip
+    assert np.allclose(cloud.points, expected, atol=1e-3)
+    assert cloud.triangles.tolist() == [[0, 1, 2]]
+
+
+@pytest.mark.parametrize("text", [
+    "OFF 3 1 0\n0 0 0\n90 0 0\n0 90 0\n3 0 1 2\n",
+    "OFF\n# a comment\n\n3 1 3 # counts\n0 0 0\n\n90 0 0\n0 90 0\n3  0 1 2  0.5 0.5 0.5\n",
+    "NOFF\r\n3 1 0\r\n0 0 0 0 0 1\r\n90 0 0 0 0 1\r\n0 90 0 0 0 1\r\n3 0 1 2\r\n",
+    "v 0 0 0\rv 90 0 0\rv 0 90 0\rf 1 2 3\r",
+    "\n\n# OBJ\n  v 0 0 0 1.0\n\tv 9e1 0. .0\nv 0 +90 0\nf -3 -2 -1 # end",
+    "ply\rformat ascii 1.0\relement vertex 3\rproperty double x\rproperty double y\r"
+    "property double z\relement face 1\rproperty list int32 uint32 vertex_index\rend_header\r"
+    "0 0 0\r90 0 0\r0 90 0\r3 0 1 2\r",
+])  # fmt: skip
+def test_a_triangle_however_it_is_spelt(text, tmp_path):
+    cloud = io.read_points(files.write({"a": text.encode()}, tmp_path))
+    assert cloud.points.tolist() == [[0, 0, 0], [90, 0, 0], [0, -90, 0]]
+    assert cloud.triangles.tolist() == [[0, 1, 2]]
+
+
+@pytest.mark.parametrize("ros1", [False, True])
+def test_a_compressed_depth_image_of_a_recording(ros1, tmp_path):
+    pixels = np.rint(files.depth()).astype(np.uint16)
+    path = files.write(files.recording_compressed_images(pixels, ros1=ros1), tmp_path)
+    image = io.read_scan(path, camera=files.CAMERA)
+    assert np.array_equal(np.nan_to_num(image.depth), pixels)

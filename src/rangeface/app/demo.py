@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
 import rangeface
+from rangeface.app.console import console
 from rangeface.app.models import load_model
 from rangeface.app.progress import over
 from rangeface.evaluation.error_rates import Rate
@@ -28,7 +28,6 @@ SENSOR, DISTANCE_MM = "sr3000", 400.0
 FRAMES, GALLERY_FRAMES = 20, 10
 FMR = 0.001
 VISITS = (Visit("neutral", session=1), Visit("smile", expression="smile", session=1, yaw_deg=8.0))
-console = Console()
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
 from rangeface import classify, describe
+from rangeface.app.console import console
 from rangeface.app.progress import over
 from rangeface.config import load_pipeline
 from rangeface.errors import ParameterError, ScanError, ScanFault
@@ -29,8 +29,6 @@ from rangeface.evaluation.protocol import (
 )
 from rangeface.pipeline import FacePipeline, Head, step
 from rangeface.types import Scan
-
-console = Console()
 
 GRID_FEATURES = ("depth", "n3", "normals", "lbp", "tdlbp")
 GRID_CLASSIFIERS = ("pca", "lda", "mlda")
@@ -55,7 +53,7 @@ def run(
     captures = acquire(way, over(kept, dataset))
     _print_failures(captures)
     views: Views = {}
-    results = []
+    results: list[dict[str, Any]] = []
     for name, variant in _variants(way, pipeline, grid):
         scores = compare(variant, captures, views=views)
         subsets = _subsets(scores, near_frontal)

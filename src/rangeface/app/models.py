@@ -9,10 +9,10 @@ from importlib.resources import as_file, files
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 
 import rangeface
 from rangeface import datasets
+from rangeface.app.console import console
 from rangeface.app.progress import over
 from rangeface.config import load_pipeline
 from rangeface.errors import DegenerateError
@@ -21,7 +21,6 @@ from rangeface.evaluation.training import training_scans
 from rangeface.recognizer import FaceRecognizer
 from rangeface.types import Scan
 
-console = Console()
 SHIPPED = "default.model"
 
 

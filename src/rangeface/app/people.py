@@ -6,9 +6,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from rich.console import Console
 from rich.markup import escape
 
+from rangeface.app.console import console
 from rangeface.app.models import load_model
 from rangeface.errors import GalleryError, NoFaceError
 from rangeface.gallery import open_gallery
@@ -18,7 +18,6 @@ from rangeface.recognizer import FaceRecognizer
 from rangeface.types import Decision, Verdict
 
 _COLOURS = {Verdict.ACCEPTED: "green", Verdict.UNKNOWN: "red", Verdict.CANNOT_TELL: "yellow"}
-console = Console()
 
 
 def enroll(

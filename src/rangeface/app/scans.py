@@ -5,15 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
+from rangeface.app.console import console
 from rangeface.config import load_pipeline
 from rangeface.evaluation.pictures import png, trace_figure
 from rangeface.io import read_camera, read_scan
 from rangeface.types import Pinhole, RangeImage
-
-console = Console()
 
 
 def info(file: Path, camera: Path | None) -> None:
@@ -25,8 +23,8 @@ def info(file: Path, camera: Path | None) -> None:
         table.add_row(name, value)
     if trace.assessment is not None:
         a = trace.assessment
-        table.add_row("face", f"yaw {a.yaw_deg:.0f}°, pitch {a.pitch_deg:.0f}°, "
-                              f"roll {a.roll_deg:.0f}°, nose tip at {a.distance_mm:.0f} mm")  # fmt: skip
+        angles = f"yaw {a.yaw_deg:.0f}°, pitch {a.pitch_deg:.0f}°, roll {a.roll_deg:.0f}°"
+        table.add_row("face", f"{angles}, nose tip at {a.distance_mm:.0f} mm")
         table.add_row("fit for a decision", "yes" if a.usable else f"no: {', '.join(a.refusals)}")
     else:
         table.add_row("face", f"none: {trace.reason}")

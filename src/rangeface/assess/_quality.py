@@ -74,7 +74,8 @@ def quality(
     distance = float(face.nose_tip[2])
     perspective = face.image.camera.projection.perspective
     violated = {
-        Reason.POSE: abs(yaw) > max_yaw_deg or abs(pitch) > max_pitch_deg or abs(roll) > max_roll_deg,
+        Reason.POSE: any(abs(a) > most for a, most in ((yaw, max_yaw_deg), (pitch, max_pitch_deg),
+                                                       (roll, max_roll_deg))),
         Reason.LOW_OVERLAP: coverage < min_coverage or alignment.overlap < min_overlap,
         Reason.POOR_FIT: alignment.correlation < min_correlation,
         Reason.TOO_NOISY: sigma > max_sigma_mm,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numba import njit
@@ -40,11 +40,6 @@ class _ProfileMatcher(Matcher):
 
     def _check_parameters(self) -> None:
         raise NotImplementedError
-
-    def __sklearn_tags__(self) -> Any:
-        tags = super().__sklearn_tags__()
-        tags.requires_fit = True
-        return tags
 
 
 class PearsonMatcher(_ProfileMatcher):

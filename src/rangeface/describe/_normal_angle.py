@@ -29,7 +29,8 @@ def normal_angle(
     Returns
     -------
     (H, W) float32
-        rad; in (−π, π] where wrapped, of weighted mean 0 where unwrapped. A pixel without a normal has the mean of the others.
+        rad; in (−π, π] where wrapped, of weighted mean 0 where unwrapped. A pixel
+        without a normal has the mean of the others.
 
     Raises
     ------

@@ -6,7 +6,7 @@ import numpy as np
 
 from rangeface.describe._frontal import camera_of
 from rangeface.errors import ParameterError
-from rangeface.numerics import holes, profiles
+from rangeface.numerics import holes, profiles, symmetry
 from rangeface.types import Float32, RangeImage
 
 
@@ -111,7 +111,7 @@ def vertical_curve(
 def symmetry_line(image: RangeImage) -> tuple[float, float]:
     """Offset (mm, to the right of the nose tip) and roll (rad) of the line of mirror symmetry.
 
-    See `rangeface.numerics.profiles.mirror_line`.
+    See `rangeface.numerics.symmetry.mirror_line`.
     """
     camera = camera_of(image)
-    return profiles.mirror_line(image.depth, (camera.cx, camera.cy), pitch=camera.pitch_mm)
+    return symmetry.mirror_line(image.depth, (camera.cx, camera.cy), pitch=camera.pitch_mm)

@@ -97,9 +97,13 @@ def scans(
         ):
             for visit in visits:
                 loader = partial(
-                    capture, person=person, visit=visit, sensor=sensor,
-                    distance_mm=distance_mm, frames=count,
-                )  # fmt: skip
+                    capture,
+                    person=person,
+                    visit=visit,
+                    sensor=sensor,
+                    distance_mm=distance_mm,
+                    frames=count,
+                )
                 out.append(
                     Scan(
                         Path(f"person-{person}/{role}-{visit.view}"),
@@ -110,7 +114,7 @@ def scans(
                         view=visit.view,
                         expression=visit.expression,
                         sensor=sensor,
-                    )  # fmt: skip
+                    )
                 )
     return out
 
@@ -151,9 +155,11 @@ def capture(
     yaw, pitch, roll = rng.normal(0.0, 2.0, 3)
     x, y = rng.normal(0.0, 10.0, 2)
     pose = simulate.pose(
-        yaw_deg=visit.yaw_deg + yaw, pitch_deg=visit.pitch_deg + pitch, roll_deg=roll,
+        yaw_deg=visit.yaw_deg + yaw,
+        pitch_deg=visit.pitch_deg + pitch,
+        roll_deg=roll,
         nose_tip_mm=(x, y, distance_mm),
-    )  # fmt: skip
+    )
     model = replace(model, camera=_window(model.camera, distance_mm))
     scene = simulate.render(head, model.camera, pose, oversample=3)
     return [simulate.tof(scene, model, rng=rng) for _ in range(frames)]

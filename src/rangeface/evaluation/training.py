@@ -16,8 +16,11 @@ FIRST_PERSON = 1_000_000
 
 #: (sensor, distance mm, frames): noise from well below 1 mm to about 7 mm on the face.
 CAMERAS = (
-    ("sr3000", 400.0, 10), ("kinect-v2", 700.0, 1), ("pmd-flexx2", 450.0, 3), ("sr3000", 450.0, 3),
-)  # fmt: skip
+    ("sr3000", 400.0, 10),
+    ("kinect-v2", 700.0, 1),
+    ("pmd-flexx2", 450.0, 3),
+    ("sr3000", 450.0, 3),
+)
 EXPRESSIONS = ("neutral", "smile", "laugh", "neutral")
 
 
@@ -67,6 +70,6 @@ def _person(person: int) -> list[Scan]:
                 session=str(session),
                 expression=expression,
                 sensor=sensor,
-            )  # fmt: skip
+            )
         )
     return scans

@@ -6,11 +6,22 @@ from os import PathLike, fspath
 
 from rangeface.errors import GalleryError
 from rangeface.gallery._memory import MemoryGallery
-from rangeface.gallery._protocol import Consent, Gallery, View, check_fingerprint, stack
+from rangeface.gallery._protocol import (
+    AuditEntry,
+    Consent,
+    Gallery,
+    View,
+    check_fingerprint,
+    stack,
+)
 from rangeface.gallery._sqlite import SqliteGallery
+from rangeface.gallery._transfer import export_gallery, import_gallery
+from rangeface.gallery._vault import read_key
 
 
-def open_gallery(url: str | PathLike[str], *, create: bool = True) -> Gallery:
+def open_gallery(
+    url: str | PathLike[str], *, create: bool = True, key: bytes | None = None
+) -> Gallery:
     """Open a gallery by its address.
 
     Parameters
@@ -20,6 +31,8 @@ def open_gallery(url: str | PathLike[str], *, create: bool = True) -> Gallery:
         one), ``memory://``, or just the path of an SQLite file.
     create : bool
         Make the file where it is missing.
+    key : bytes, optional
+        32 bytes, for a gallery that is encrypted. None: what `read_key` finds in the environment.
 
     Returns
     -------
@@ -38,21 +51,25 @@ def open_gallery(url: str | PathLike[str], *, create: bool = True) -> Gallery:
     address = fspath(url)
     scheme, separator, rest = address.partition("://")
     if not separator:
-        return SqliteGallery(address, create=create)
+        return SqliteGallery(address, create=create, key=key or read_key())
     if scheme == "memory":
         return MemoryGallery()
     if scheme == "sqlite" and rest.startswith("/") and len(rest) > 1:
-        return SqliteGallery(rest[1:], create=create)
+        return SqliteGallery(rest[1:], create=create, key=key or read_key())
     raise GalleryError(f"{address}: unknown gallery; use sqlite:///FILE, memory:// or a path")
 
 
 __all__ = [
+    "AuditEntry",
     "Consent",
     "Gallery",
     "MemoryGallery",
     "SqliteGallery",
     "View",
     "check_fingerprint",
+    "export_gallery",
+    "import_gallery",
     "open_gallery",
+    "read_key",
     "stack",
 ]

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from datetime import date
+from collections.abc import Iterable
+from datetime import UTC, date, datetime
+from itertools import count
 from threading import RLock
 from typing import Self
 
 from rangeface.errors import GalleryError
 from rangeface.gallery._protocol import (
+    AuditEntry,
     Consent,
+    Record,
     View,
     check_fingerprint,
     check_shape,
@@ -39,6 +43,9 @@ class MemoryGallery:
     def __init__(self) -> None:
         self._records: list[tuple[str, Template]] = []
         self._consents: dict[str, Consent | None] = {}
+        self._numbers: dict[str, int] = {}
+        self._next_number = count(1)
+        self._log: list[AuditEntry] = []
         self._view: tuple[date, View] | None = None
         self._lock = RLock()
 
@@ -49,18 +56,29 @@ class MemoryGallery:
 
     def enroll(self, subject: str, template: Template, *, consent: Consent | None = None) -> None:
         """Add a template of a person; a new consent replaces the old."""
+        self.enroll_many([(subject, template, consent)])
+
+    def enroll_many(self, records: Iterable[Record]) -> None:
+        """Add all of the (subject, template, consent), or none of them."""
         with self._lock:
-            check_fingerprint(self.fingerprint, template.fingerprint, "memory://")
+            batch = list(records)
             first = self._records[0][1] if self._records else None
-            check_shape(first, template, "memory://")
-            self._records.append((check_subject(subject), template))
-            self._consents[subject] = consent or self._consents.get(subject)
+            for subject, template, _ in batch:
+                first = first or template
+                check_subject(subject)
+                check_fingerprint(first.fingerprint, template.fingerprint, "memory://")
+                check_shape(first, template, "memory://")
+            for subject, template, consent in batch:
+                self._records.append((subject, template))
+                self._consents[subject] = consent or self._consents.get(subject)
+                self._log.append(AuditEntry(datetime.now(UTC), "enrolled", self._number(subject)))
             self._view = None
 
     def delete(self, subject: str) -> int:
         """Remove all templates of a person; gives their number."""
         with self._lock:
             gone = len(self.templates(subject))
+            self._log.append(AuditEntry(datetime.now(UTC), "deleted", self._numbers.pop(subject)))
             self._records = [(s, t) for s, t in self._records if s != subject]
             del self._consents[subject]
             self._view = None
@@ -90,6 +108,14 @@ class MemoryGallery:
                 self._view = day, stack(kept, self.fingerprint)
             return self._view[1]
 
+    def audit(self) -> tuple[AuditEntry, ...]:
+        """What was done, oldest first, without names."""
+        return tuple(self._log)
+
+    def note(self, action: str) -> None:
+        """Append a line of the caller's to the audit log."""
+        self._log.append(AuditEntry(datetime.now(UTC), action, 0))
+
     def close(self) -> None:
         """Forget everybody."""
         self._records, self._consents, self._view = [], {}, None
@@ -99,6 +125,11 @@ class MemoryGallery:
 
     def __exit__(self, *failure: object) -> None:
         self.close()
+
+    def _number(self, subject: str) -> int:
+        if subject not in self._numbers:
+            self._numbers[subject] = next(self._next_number)
+        return self._numbers[subject]
 
     def _check_known(self, subject: str) -> None:
         if subject not in self._consents:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from datetime import date
-from typing import Protocol, Self
+from datetime import date, datetime
+from typing import Protocol, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,29 @@ class Consent:
     def holds(self, today: date) -> bool:
         """Whether the consent has not expired."""
         return self.expires is None or today <= self.expires
+
+
+Record: TypeAlias = "tuple[str, Template, Consent | None]"
+
+
+@dataclass(frozen=True)
+class AuditEntry:
+    """One line of the audit log.
+
+    Parameters
+    ----------
+    at : datetime
+        When, UTC.
+    action : str
+        "enrolled", "consent", "deleted", "exported", "imported", "backed up", or the caller's.
+    person : int
+        The person's number in this gallery, never used again; 0 where all are meant. After a
+        deletion nothing tells who it was.
+    """
+
+    at: datetime
+    action: str
+    person: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +93,9 @@ class Gallery(Protocol):
     def enroll(self, subject: str, template: Template, *, consent: Consent | None = None) -> None:
         """Add a template of a person, who may have several; a new consent replaces the old."""
 
+    def enroll_many(self, records: Iterable[Record]) -> None:
+        """Add all of the (subject, template, consent), or none of them."""
+
     def delete(self, subject: str) -> int:
         """Remove all templates of a person without a trace; gives their number."""
 
@@ -84,6 +110,12 @@ class Gallery(Protocol):
 
     def view(self, *, today: date | None = None) -> View:
         """Everything that may be searched today (default: the computer's date)."""
+
+    def audit(self) -> tuple[AuditEntry, ...]:
+        """What was done, oldest first, without names."""
+
+    def note(self, action: str) -> None:
+        """Append a line of the caller's to the audit log."""
 
     def close(self) -> None:
         """Let go of files and memory."""

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
+from datetime import date
 from hashlib import blake2b
 from math import prod
 
 import numpy as np
 
 from rangeface.errors import GalleryError
+from rangeface.gallery._protocol import Consent
 from rangeface.types import Assessment, Reason, Template
 
 _MAGIC = b"RFT1"
@@ -51,6 +53,20 @@ def decode(record: bytes) -> Template:
         return Template(tuple(vectors), header["fingerprint"], _assessment(header["assessment"]))
     except (ValueError, KeyError, TypeError) as error:
         raise GalleryError(f"a record is no template: {error}") from error
+
+
+def consent_to_text(consent: Consent | None) -> tuple[str | None, str | None]:
+    """Reference and last day of a consent."""
+    if consent is None:
+        return None, None
+    return consent.reference, consent.expires.isoformat() if consent.expires else None
+
+
+def consent_from_text(reference: str | None, expires: str | None) -> Consent | None:
+    """The consent that `consent_to_text` took apart."""
+    if reference is None:
+        return None
+    return Consent(reference, date.fromisoformat(expires) if expires else None)
 
 
 def digest(*parts: object) -> bytes:

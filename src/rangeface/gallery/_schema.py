@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import sqlite3
-from pathlib import Path
+from collections.abc import Mapping
 
 from rangeface.errors import GalleryError
+from rangeface.gallery._database import Database
 
 APPLICATION_ID = 0x52464741  # "RFGA"
 
@@ -29,27 +29,54 @@ MIGRATIONS = (
         ) STRICT""",
         "CREATE INDEX templates_of ON templates (person)",
     ),
+    (
+        """CREATE TABLE audit (
+            id INTEGER PRIMARY KEY AUTOINCREMENT,
+            at TEXT NOT NULL,
+            action TEXT NOT NULL,
+            person INTEGER NOT NULL,
+            digest BLOB NOT NULL
+        ) STRICT""",
+        "INSERT INTO meta VALUES ('last audit line', x'')",
+    ),
 )
 
 
-def migrate(db: sqlite3.Connection, path: Path) -> None:
+def migrate(db: Database, meta: Mapping[str, bytes]) -> None:
     """Bring the file to the newest version, in one transaction.
+
+    Parameters
+    ----------
+    db : Database
+        A gallery of any version, or an empty file.
+    meta : mapping
+        What else a new gallery is born with.
 
     Raises
     ------
     GalleryError
-        The file comes from a newer rangeface.
+        The file is no gallery, or comes from a newer rangeface.
     """
-    version = db.execute("PRAGMA user_version").fetchone()[0]
-    if version > len(MIGRATIONS):
-        raise GalleryError(f"{path}: version {version} of a newer rangeface; update rangeface")
+    with db.transaction():
+        version = _version(db)
     if version == len(MIGRATIONS):
         return
-    with db:
-        db.execute("BEGIN IMMEDIATE")
-        # another process may have migrated while this one waited for the lock
-        version = db.execute("PRAGMA user_version").fetchone()[0]
+    with db.transaction(write=True):
+        version = _version(db)  # another process may have been faster
         for statement in (s for step in MIGRATIONS[version:] for s in step):
-            db.execute(statement)
-        db.execute(f"PRAGMA application_id = {APPLICATION_ID}")
-        db.execute(f"PRAGMA user_version = {len(MIGRATIONS)}")
+            db.run(statement)
+        if version == 0:
+            for key, value in meta.items():
+                db.run("INSERT INTO meta VALUES (?, ?)", key, value)
+        db.run(f"PRAGMA application_id = {APPLICATION_ID}")
+        db.run(f"PRAGMA user_version = {len(MIGRATIONS)}")
+
+
+def _version(db: Database) -> int:
+    (tables,) = db.one("SELECT count(*) FROM sqlite_master")
+    if tables and db.one("PRAGMA application_id")[0] != APPLICATION_ID:
+        raise GalleryError(f"{db.path}: is an SQLite file, but no gallery")
+    version = int(db.one("PRAGMA user_version")[0])
+    if version > len(MIGRATIONS):
+        raise GalleryError(f"{db.path}: version {version} of a newer rangeface; update rangeface")
+    return version

@@ -1,6 +1,7 @@
 """Scan files in, scan files out: one file a format; units are stated here and nowhere else."""
 
 from rangeface.io._cloud import unit_mm
+from rangeface.io._convert import convert_scan
 from rangeface.io._describe import Description, describe_scan
 from rangeface.io._formats import FORMATS, Format
 from rangeface.io._read import read_frames, read_points, read_scan
@@ -17,6 +18,7 @@ __all__ = [
     "Description",
     "Format",
     "Limits",
+    "convert_scan",
     "describe_scan",
     "read_camera",
     "read_frames",

@@ -83,6 +83,10 @@ FORMATS = {
 }
 
 
+#: Those that hold points or meshes; the others hold depth images.
+POINT_FORMATS = ("vrml", "ply", "pcd", "off", "frgc", "obj", "stl", "bosphorus", "xyz")
+
+
 def identify(source: Source) -> str:
     """Name of the format of a source, found by its content."""
     for name, entry in FORMATS.items():

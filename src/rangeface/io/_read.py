@@ -11,7 +11,7 @@ import numpy as np
 from rangeface.errors import ParameterError, RangeFaceError, ScanError, ScanFault
 from rangeface.io import mcap
 from rangeface.io._cloud import Cloud, point_set, source_unit_mm, view_rotation
-from rangeface.io._formats import FORMATS, identify
+from rangeface.io._formats import FORMATS, POINT_FORMATS, identify
 from rangeface.io._grid import fit_pinhole
 from rangeface.io._source import Limits, Source
 from rangeface.io._virtual_camera import virtual_camera
@@ -35,51 +35,49 @@ def read_scan(
 
     Parameters
     ----------
-        path : str or Path
-            The file.
-        camera : Pinhole or Orthographic, optional
-            Intrinsics of a depth image that brings none, or in place of those it brings; the
-            virtual camera for points and meshes (default: orthographic, framing the main cluster).
-        unit : str, optional
-            Unit of the file's lengths, "um", "0.1mm", "mm", "cm", "m" or "in", where the format or
-            its camera file does not state it or states it wrongly.
-        front, up : str, optional
-            The axes of a point or mesh file towards the viewer and the top of the head, such as
-            "+z" and "+y"; by default what the format's users agree on.
-        pitch_mm : float
-            Pixel of the orthographic virtual camera, mm, > 0.
-        limits : Limits, optional
-            Caps on bytes, points, pixels, nesting and expansion.
+    path : str or Path
+        The file.
+    camera : Pinhole or Orthographic, optional
+        Intrinsics of a depth image that brings none, or in place of those it brings; the
+        virtual camera for points and meshes (default: orthographic, framing the main cluster).
+    unit : str, optional
+        Unit of the file's lengths, "um", "0.1mm", "mm", "cm", "m" or "in", where the format or
+        its camera file does not state it or states it wrongly.
+    front, up : str, optional
+        The axes of a point or mesh file towards the viewer and the top of the head, such as
+        "+z" and "+y"; by default what the format's users agree on.
+    pitch_mm : float
+        Pixel of the orthographic virtual camera, mm, > 0.
+    limits : Limits, optional
+        Caps on bytes, points, pixels, nesting and expansion.
 
     Returns
     -------
-        RangeImage
-            At least one pixel is valid. σ and amplitude where the format knows them.
+    RangeImage
+        At least one pixel is valid. σ and amplitude where the format knows them.
 
     Raises
     ------
-        ScanError
-            The file is missing, broken, of no known format, over a limit, without a known unit or
-            camera, or without a valid pixel; the message names it.
-        ParameterError
-            `front`, `up` or `pitch_mm` is impossible.
+    ScanError
+        The file is missing, broken, of no known format, over a limit, without a known unit or
+        camera, or without a valid pixel; the message names it.
+    ParameterError
+        `front`, `up` or `pitch_mm` is impossible.
 
     Notes
     -----
-        A mesh is drawn with a z-buffer; bare points as discs of their spacing. Islands and outliers
-        far from the main cluster do not set the view.
+    A mesh is drawn with a z-buffer; bare points as discs of their spacing. Islands and outliers
+    far from the main cluster do not set the view.
 
     Examples
     --------
-        >>> import tempfile
-        >>> from collections.abc import Iterator
-    from dataclasses import replace
-    from pathlib import Path
-        >>> path = Path(tempfile.mkdtemp()) / "plane.obj"
-        >>> _ = path.write_text("".join(f"v {x} {y} -700\n" for x in range(30) for y in range(30)))
-        >>> image = read_scan(path)
-        >>> type(image.camera).__name__, float(image.depth[10, 10])
-        ('Orthographic', 700.0)
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> path = Path(tempfile.mkdtemp()) / "plane.obj"
+    >>> _ = path.write_text("".join(f"v {x} {y} -700\n" for x in range(30) for y in range(30)))
+    >>> image = read_scan(path)
+    >>> type(image.camera).__name__, float(image.depth[10, 10])
+    ('Orthographic', 700.0)
     """
     _, _, image = open_scan(
         path, camera=camera, unit=unit, front=front, up=up, pitch_mm=pitch_mm, limits=limits
@@ -171,7 +169,7 @@ def read_frames(
     ScanError
         As in `read_scan`; a recording without a depth image has no valid pixels.
     """
-    source = Source.open(path, limits, camera, unit)
+    source = _unpacked(Source.open(path, limits, camera, unit))
     if not mcap.recognise(source):
         yield read_scan(path, camera=camera, unit=unit, limits=limits)
         return
@@ -183,11 +181,19 @@ def read_frames(
         raise source.error(ScanFault.NO_VALID_PIXELS, "no depth image in the recording")
 
 
+def is_points(path: str | Path, *, limits: Limits | None = None) -> bool:
+    """Whether a file's format holds points or meshes rather than depth images."""
+    return identify(_unpacked(Source.open(path, limits))) in POINT_FORMATS
+
+
 def _unpacked(source: Source) -> Source:
-    """The source itself, or what its gzip holds."""
-    if source.data[:2] != b"\x1f\x8b":
-        return source
-    return replace(source, data=source.inflate([source.data], 31))
+    """The source, its gzip opened and its byte order mark taken off."""
+    if source.data[:2] == b"\x1f\x8b":
+        source = replace(source, data=source.inflate([source.data], 31))
+    if source.data[:3] == b"\xef\xbb\xbf":
+        source = replace(source, data=source.data[3:])
+    source.need(0, 1, "a scan")
+    return source
 
 
 def _seen(

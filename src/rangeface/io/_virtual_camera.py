@@ -15,7 +15,8 @@ from rangeface.types import Camera, Orthographic, Pinhole, PointSet, RangeImage
 
 _CELL_MM = 30.0  # points closer than this are one thing
 _REACH_MM = 1000.0  # nothing farther from the median point belongs to the scan
-_MARGIN_MM = 30.0  # islands this close to the main cluster stay
+_MOST_CELLS = 127  # an axis; what lies beyond falls into the last one
+_MARGIN_MM = 30.0  # so far behind or beside its box a point may still belong to its surface
 _OVERDRAW = 16  # pixels that triangles may cover, in images of the largest size
 
 
@@ -26,13 +27,14 @@ def virtual_camera(
 
     Without a camera the view is orthographic and frames the main cluster: the largest set of
     points that hang together at 30 mm, or at four times the points' mean spacing where that is
-    more. Islands and outliers farther than 30 mm from its box do not set the view and are left
-    out; holes stay holes. With a camera, the points are taken to be in its frame.
+    more, with large parts close to it. Other islands and outliers do not set the view, and what
+    lies more than 30 mm outside its box is left out; holes stay holes. With a camera, the
+    points are taken to be in its frame.
     """
     points = cloud.points
     if camera is None:
-        low, high = _main_box(points)
-        inside = _within(points, low, high)
+        low, high = _main_box(source, points)
+        inside = _within(points, low - _MARGIN_MM, high + _MARGIN_MM)
         camera = _frame(source, low, high, pitch_mm)
     else:
         inside = np.ones(len(points), dtype=bool)
@@ -59,45 +61,64 @@ def _within(
     return inside
 
 
-def _main_box(points: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Corners of the box around the largest cluster, margin included."""
-    centre = np.median(points, axis=0)
+def _main_box(
+    source: Source, points: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Corners of the box around the main cluster."""
+    sample = points[:: max(len(points) // 4096, 1)]
+    centre = np.median(sample, axis=0)
+    spread = np.ptp(np.quantile(sample, (0.1, 0.9), axis=0), axis=0)
+    if spread.max() > 2.0 * _REACH_MM:
+        raise source.error(
+            ScanFault.UNKNOWN_UNIT,
+            f"the points span {spread.max():.3g} mm: state the unit (unit='um', …) or a camera",
+        )
     near = points[_within(points, centre - _REACH_MM, centre + _REACH_MM)]
-    if not len(near):
-        near = points
-    sample = near[:: max(len(near) // 4096, 1)]
-    spread = float(np.linalg.norm(np.ptp(np.quantile(sample, (0.05, 0.95), axis=0), axis=0)))
-    cell = max(_CELL_MM, 4.0 * spread / np.sqrt(len(near)))
-    origin = near.min(axis=0)
-    cells = np.minimum(((near - origin) / cell).astype(np.int64), 255)
+    near = near if len(near) else points
+    cell = max(_CELL_MM, 4.0 * float(np.linalg.norm(spread)) / np.sqrt(len(near)))
+    cells = np.minimum((near - near.min(axis=0)) / cell, _MOST_CELLS).astype(np.int64)
+    near = near[_main_cluster(cells)]
+    return near.min(axis=0), near.max(axis=0)
+
+
+def _main_cluster(cells: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Which points lie in the largest set of touching cells, or in a part of it split off.
+
+    A part holds at least 5 % as many points and begins at most two cells away.
+    """
     shape = tuple(cells.max(axis=0) + 1)
     flat = np.ravel_multi_index(tuple(cells.T), shape)
     occupied = np.bincount(flat, minlength=int(np.prod(shape)))
     labels, count = ndimage.label(occupied.reshape(shape), structure=np.ones((3, 3, 3)))
-    if count > 1:
-        sizes = np.bincount(labels.ravel(), weights=occupied)
-        near = near[labels.ravel()[flat] == 1 + sizes[1:].argmax()]
-    return near.min(axis=0) - _MARGIN_MM, near.max(axis=0) + _MARGIN_MM
+    sizes = np.bincount(labels.ravel(), weights=occupied, minlength=count + 1)
+    main = int(sizes[1:].argmax()) + 1
+    boxes = ndimage.find_objects(labels)
+    kept = [
+        k
+        for k, box in enumerate(boxes, 1)
+        if sizes[k] >= 0.05 * sizes[main] and _gap(box, boxes[main - 1]) <= 2
+    ]
+    return np.isin(labels.ravel()[flat], kept)
+
+
+def _gap(a: tuple[slice, ...], b: tuple[slice, ...]) -> int:
+    """Empty cells between two boxes along the axis where they are farthest apart."""
+    return max(max(p.start - q.stop, q.start - p.stop) for p, q in zip(a, b, strict=True))
 
 
 def _frame(
     source: Source, low: NDArray[np.float32], high: NDArray[np.float32], pitch_mm: float
 ) -> Orthographic:
-    """Orthographic camera over the box, less the margin on all but one pixel."""
-    size = (high - low - 2 * _MARGIN_MM)[:2]
-    width, height = (int(n) for n in np.ceil(size / pitch_mm) + 3)
+    """Orthographic camera over the box, a pixel around it."""
+    size = (high - low)[:2]
     if size.max() < 10.0:
         raise source.error(
             ScanFault.UNKNOWN_UNIT,
             f"the points span only {size.max():.3g} mm: state the unit (unit='m', …)",
         )
-    if max(width, height) * pitch_mm > 2.5 * _REACH_MM:
-        raise source.error(
-            ScanFault.UNKNOWN_UNIT,
-            f"the points span {size.max():.3g} mm: state the unit (unit='um', …) or a camera",
-        )
+    width, height = (int(n) for n in np.ceil(size / pitch_mm) + 3)
     source.cap_pixels(width, height)
-    cx, cy = 1.0 - (low + _MARGIN_MM)[:2] / pitch_mm
+    cx, cy = 1.0 - low[:2] / pitch_mm
     return Orthographic(pitch_mm, float(cx), float(cy), width, height)
 
 
@@ -111,12 +132,11 @@ def _draw_mesh(
             ScanFault.TOO_LARGE, f"the triangles cover {area:.3g} px, the limit is {most:.3g}"
         )
     perspective = isinstance(camera, Pinhole)
+    scale = (camera.fx, camera.fy) if isinstance(camera, Pinhole) else (1 / camera.pitch_mm,) * 2
     depth, _, _ = rasterise(
         points,
         triangles,
-        focal_px=(camera.fx, camera.fy)
-        if isinstance(camera, Pinhole)
-        else (1 / camera.pitch_mm, 1 / camera.pitch_mm),
+        focal_px=scale,
         centre_px=(camera.cx, camera.cy),
         size_px=(camera.width, camera.height),
         perspective=perspective,

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from rangeface.errors import ParameterError
-from rangeface.io import mcap, png16
+from rangeface.io import png16
+from rangeface.io._mcap_writer import encode
 from rangeface.numerics.polygons import grid_triangles
 from rangeface.types import Camera, Orthographic, PointSet, RangeImage
 
@@ -115,7 +116,7 @@ def _write_npz(path: Path, image: RangeImage) -> None:
 
 
 def _write_mcap(path: Path, image: RangeImage) -> None:
-    _replace(path, mcap.encode([image]))
+    _replace(path, encode([image]))
 
 
 def write_frames(path: str | Path, frames: list[RangeImage], *, rate_hz: float = 30.0) -> None:
@@ -140,7 +141,7 @@ def write_frames(path: str | Path, frames: list[RangeImage], *, rate_hz: float =
         raise ParameterError(f"path: recordings are written as .mcap, not {path.suffix!r}")
     if not (np.isfinite(rate_hz) and rate_hz > 0):
         raise ParameterError(f"rate_hz must be > 0, got {rate_hz}")
-    _replace(path, mcap.encode(list(frames), rate_hz=rate_hz))
+    _replace(path, encode(list(frames), rate_hz=rate_hz))
 
 
 def _ply(cloud: PointSet) -> bytes:

@@ -1,8 +1,10 @@
 """MCAP recordings of depth images: ROS 2 (CDR) and ROS 1 messages.
 
-sensor_msgs/Image in 16UC1 or mono16 is depth in mm, in 32FC1 metres (REP 118); the intrinsics
-come from a sensor_msgs/CameraInfo of the same size. A torn recording is read up to the tear.
-Chunks in Zstandard or LZ4 need the extra ``mcap`` and are expanded in a process of their own.
+sensor_msgs/Image in 16UC1 or mono16 is depth in mm, in 32FC1 metres (REP 118); a
+sensor_msgs/CompressedImage is read where its format says 16UC1 and compressedDepth (twelve
+bytes, then a PNG). The intrinsics come from a sensor_msgs/CameraInfo of the same size. A torn
+recording is read up to the tear. Chunks in Zstandard or LZ4 need the extra ``mcap`` and are
+expanded in a process of their own.
 """
 
 from __future__ import annotations
@@ -10,19 +12,19 @@ from __future__ import annotations
 import struct
 import subprocess
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rangeface.errors import ParameterError, ScanFault
+from rangeface.io import png16
+from rangeface.io._mcap_writer import MAGIC
 from rangeface.io._source import Source
 from rangeface.io.camera_toml import depth_image
 from rangeface.types import Pinhole, RangeImage
-
-MAGIC = b"\x89MCAP0\r\n"
 
 _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = 3, 4, 5, 6
 _DEPTH = {"16UC1": ("u2", "mm"), "mono16": ("u2", "mm"), "32FC1": ("f4", "m")}
@@ -59,7 +61,7 @@ def frames(source: Source) -> Iterator[RangeImage]:
     for channel, message in _messages(source):
         try:
             if channel.kind == "CameraInfo":
-                camera = _camera_info(source, _Cursor(message, channel.ros1))
+                camera = _camera_info(_Cursor(message, channel.ros1))
                 if camera is not None:
                     cameras.setdefault((camera.width, camera.height), camera)
                     ready = [w for w in waiting if w[0].shape == (camera.height, camera.width)]
@@ -67,7 +69,7 @@ def frames(source: Source) -> Iterator[RangeImage]:
                     for raw, unit in ready:
                         yield depth_image(source, raw, unit=unit, camera=camera)
                 continue
-            found = _image(source, _Cursor(message, channel.ros1))
+            found = _READERS[channel.kind](source, _Cursor(message, channel.ros1))
         except _TornError:
             raise source.error(ScanFault.TRUNCATED, f"a message of {channel.topic}") from None
         if found is None:
@@ -97,7 +99,7 @@ def _messages(source: Source) -> Iterator[tuple[_Channel, memoryview]]:
                 number, schema = cursor.number("H"), cursor.number("H")
                 name = schemas.get(schema, "").rsplit("/", 1)[-1]
                 topic, encoding = cursor.text(), cursor.text()
-                if name in ("Image", "CameraInfo") and encoding in ("cdr", "ros1"):
+                if name in _READERS and encoding in ("cdr", "ros1"):
                     channels[number] = _Channel(name, topic, encoding == "ros1")
             elif kind == _MESSAGE:
                 channel = channels.get(cursor.number("H"))
@@ -202,6 +204,16 @@ class _Cursor:
         return self.data[self.at :]
 
 
+def _compressed(source: Source, cursor: _Cursor) -> tuple[NDArray[np.generic], str] | None:
+    """Pixels and unit of a compressed 16-bit depth image, None where it is none."""
+    cursor.header()
+    words = cursor.text()
+    data = cursor.skip(cursor.number("I"))
+    if not ("compressedDepth" in words and "16UC1" in words):
+        return None
+    return png16.pixels(replace(source, data=bytes(data[12:]))), "mm"
+
+
 def _image(source: Source, cursor: _Cursor) -> tuple[NDArray[np.generic], str] | None:
     """Pixels and unit of an Image, None where it is no depth image."""
     cursor.header()
@@ -224,7 +236,7 @@ def _image(source: Source, cursor: _Cursor) -> tuple[NDArray[np.generic], str] |
     return rows.astype(dtype.newbyteorder("=")), unit
 
 
-def _camera_info(source: Source, cursor: _Cursor) -> Pinhole | None:
+def _camera_info(cursor: _Cursor) -> Pinhole | None:
     """Intrinsics of a CameraInfo; None where it is not calibrated."""
     cursor.header()
     height, width = cursor.number("I"), cursor.number("I")
@@ -237,76 +249,8 @@ def _camera_info(source: Source, cursor: _Cursor) -> Pinhole | None:
         return None
 
 
-# ── writing ──────────────────────────────────────────────────────────────────────────────
-
-_HEADER_MSG = "std_msgs/Header header\n"
-_HEADER_DEF = (
-    f"{'=' * 80}\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
-    f"{'=' * 80}\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n"
-)
-_IMAGE_MSG = (
-    _HEADER_MSG + "uint32 height\nuint32 width\nstring encoding\nuint8 is_bigendian\n"
-    "uint32 step\nuint8[] data\n" + _HEADER_DEF
-)
-_INFO_MSG = (
-    _HEADER_MSG + "uint32 height\nuint32 width\nstring distortion_model\nfloat64[] d\n"
-    "float64[9] k\nfloat64[9] r\nfloat64[12] p\nuint32 binning_x\nuint32 binning_y\n"
-    "sensor_msgs/RegionOfInterest roi\n" + _HEADER_DEF + f"{'=' * 80}\n"
-    "MSG: sensor_msgs/RegionOfInterest\nuint32 x_offset\nuint32 y_offset\nuint32 height\n"
-    "uint32 width\nbool do_rectify\n"
-)
-
-
-def encode(images: list[RangeImage], *, rate_hz: float = 30.0) -> bytes:
-    """A recording of depth images (32FC1, metres) and their cameras, as ROS 2 messages."""
-    out = [MAGIC, _record(1, _text("ros2") + _text("rangeface"))]
-    for number, (name, message) in enumerate((("CameraInfo", _INFO_MSG), ("Image", _IMAGE_MSG)), 1):
-        schema = _text(f"sensor_msgs/msg/{name}") + _text("ros2msg") + _text(message)
-        topic = _text("/depth/camera_info" if name == "CameraInfo" else "/depth/image_raw")
-        out.append(_record(_SCHEMA, struct.pack("<H", number) + schema))
-        channel = struct.pack("<HH", number, number) + topic + _text("cdr") + struct.pack("<I", 0)
-        out.append(_record(_CHANNEL, channel))
-    for index, image in enumerate(images):
-        if not isinstance(image.camera, Pinhole):
-            raise ParameterError("image: a recording needs a pinhole camera")
-        nanos = round(index / rate_hz * 1e9)
-        for number, body in ((1, _info_body(image.camera, nanos)), (2, _image_body(image, nanos))):
-            head = struct.pack("<HIQQ", number, index, nanos, nanos)
-            out.append(_record(_MESSAGE, head + b"\0\1\0\0" + body))
-    out.append(_record(15, struct.pack("<I", 0)) + _record(2, struct.pack("<QQI", 0, 0, 0)))
-    return b"".join(out) + MAGIC
-
-
-def _record(kind: int, body: bytes) -> bytes:
-    return struct.pack("<BQ", kind, len(body)) + body
-
-
-def _text(text: str, *, ending: bytes = b"") -> bytes:
-    data = text.encode() + ending
-    return struct.pack("<I", len(data)) + data
-
-
-def _padded(data: bytes, size: int) -> bytes:
-    return data + bytes(-len(data) % size)
-
-
-def _message_header(nanos: int) -> bytes:
-    stamp = struct.pack("<iI", nanos // 10**9, nanos % 10**9)
-    return _padded(stamp + _text("depth", ending=b"\0"), 4)
-
-
-def _image_body(image: RangeImage, nanos: int) -> bytes:
-    height, width = image.shape
-    head = _message_header(nanos) + struct.pack("<II", height, width)
-    head = _padded(head + _text("32FC1", ending=b"\0") + b"\0", 4)
-    data = (image.depth / np.float32(1000)).astype("<f4").tobytes()
-    return head + struct.pack("<II", 4 * width, len(data)) + data
-
-
-def _info_body(camera: Pinhole, nanos: int) -> bytes:
-    head = _message_header(nanos) + struct.pack("<II", camera.height, camera.width)
-    head = _padded(head + _text("plumb_bob", ending=b"\0"), 4) + struct.pack("<I", 0)
-    k = [camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1]
-    p = [camera.fx, 0, camera.cx, 0, 0, camera.fy, camera.cy, 0, 0, 0, 1, 0]
-    numbers = struct.pack("<30d", *k, *np.eye(3).ravel(), *p)
-    return _padded(head, 8) + numbers + struct.pack("<IIIIII?", 0, 0, 0, 0, 0, 0, False)
+_READERS: dict[str, Callable[[Source, _Cursor], tuple[NDArray[np.generic], str] | None]] = {
+    "Image": _image,
+    "CompressedImage": _compressed,
+    "CameraInfo": lambda source, cursor: None,
+}

@@ -2,7 +2,8 @@
 
 Arrays ``depth`` (H, W) in mm (or another ``depth_unit``), ``camera`` and optionally ``sigma``,
 ``amplitude``, ``filled``. ``camera`` is (fx, fy, cx, cy), or (pitch_mm, cx, cy) of an
-orthographic image; the size is the depth's. Nothing is unpickled.
+orthographic image, or the 3 × 3 intrinsics (``K`` and ``intrinsics`` are
+understood too); the size is the depth's. Nothing is unpickled.
 """
 
 from __future__ import annotations
@@ -18,12 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rangeface.errors import ParameterError, ScanFault
+from rangeface.io._cloud import source_unit_mm
 from rangeface.io._source import Source
 from rangeface.io.camera_toml import depth_image
 from rangeface.types import Camera, Orthographic, Pinhole, RangeImage
 
 _PLANES = ("sigma", "amplitude", "filled")
-_NAMES = ("depth", "camera", "depth_unit", *_PLANES)
+_CAMERAS = ("camera", "K", "intrinsics")
+_NAMES = ("depth", "depth_unit", *_CAMERAS, *_PLANES)
 _MAX_HEADER = 1 << 12
 
 
@@ -43,7 +46,8 @@ def parse(source: Source) -> RangeImage:
     unit = "mm"
     if "depth_unit" in arrays:
         unit = str(arrays["depth_unit"].reshape(-1)[0]) if arrays["depth_unit"].size else ""
-    camera = _camera(source, arrays["camera"], depth.shape) if "camera" in arrays else None
+    stated = next((arrays[name] for name in _CAMERAS if name in arrays), None)
+    camera = None if stated is None else _camera(source, stated, depth.shape)
     image = depth_image(source, depth, unit=unit, camera=camera)
     if isinstance(image.camera, Orthographic):  # its depth is counted from anywhere
         image = image.with_depth(_signed_depth(source, depth, unit))
@@ -57,14 +61,15 @@ def parse(source: Source) -> RangeImage:
 
 
 def _signed_depth(source: Source, depth: NDArray[np.generic], unit: str) -> NDArray[np.float64]:
-    from rangeface.io._cloud import source_unit_mm
-
+    """Depth of an orthographic image, mm, which may be negative; NaN where invalid."""
     out = depth.astype(np.float64) * source_unit_mm(source, unit)
     out[~(np.abs(out) <= 1e6)] = np.nan
     return out
 
 
 def _camera(source: Source, values: NDArray[np.generic], shape: tuple[int, ...]) -> Camera:
+    if values.shape == (3, 3):
+        values = values[[0, 1, 0, 1], [0, 1, 2, 2]]
     if values.shape not in ((4,), (3,)) or values.dtype.kind not in "uif":
         raise source.error(
             ScanFault.BAD_CAMERA,

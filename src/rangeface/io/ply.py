@@ -190,20 +190,21 @@ class _Binary(_Reader):
         alike = self.alike(element) if wanted >= 0 else None
         if alike is not None:
             return alike
+        self.source.need(self.at, element.count, f"{element.count} rows of {element.name}")
         layout = np.array(element.layout, dtype=np.int64).reshape(-1, 2)
-        none = np.empty(0, dtype=np.int64)
+        counts = np.zeros(element.count if wanted >= 0 else 0, dtype=np.int64)
+        items = np.empty(min(4 * len(counts), len(self.source.data) - self.at), dtype=np.int64)
         data, big = self.source.array, self.order == ">"
         where = (data, self.at, element.count, layout, wanted, big, walk.SIZES)
-        done, stop, total = walk.walk_binary(*where, none, none)
+        done, stop, total = walk.walk_binary(*where, counts, items)
         if done < element.count:
             raise self.short(element, done)
-        counts = np.zeros(element.count if wanted >= 0 else 0, dtype=np.int64)
-        items = np.empty(total, dtype=np.int64)
-        if wanted >= 0:
-            self.source.cap_points(total // 4, "face corners / 4")
+        self.source.cap_points(total // 4, "face corners / 4")
+        if total > len(items):  # many corners a face: again, with room for all
+            items = np.empty(total, dtype=np.int64)
             walk.walk_binary(*where, counts, items)
         self.at = stop
-        return counts, items
+        return counts, items[:total]
 
     def alike(self, element: _Element) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
         """The only list of an element at once, where all rows have as many values as the first."""

@@ -32,7 +32,7 @@ def parse(source: Source) -> RangeImage:
     """Depth image of a PNG, with its camera file or TrueDepth's JSON."""
     raw = pixels(source)
     height, width = raw.shape
-    if source.sibling([source.path.stem + ".toml"]) is None:
+    if source.sibling([source.path.stem + ".toml", "camera.toml"]) is None:
         camera = truedepth.intrinsics(source, width, height)
         if camera is not None:
             return depth_image(source, raw, unit=truedepth.UNIT, camera=camera)
@@ -62,6 +62,8 @@ def pixels(source: Source) -> NDArray[np.uint16]:
 
 def _chunks(source: Source) -> Iterator[tuple[bytes, bytes]]:
     offset = len(SIGNATURE)
+    if not recognise(source):
+        raise source.error(ScanFault.MALFORMED, "no PNG")
     while True:
         source.need(offset, 12, "a chunk")
         length, kind = struct.unpack_from(">I4s", source.data, offset)

@@ -38,7 +38,7 @@ def save_reference(path: Path, reference: ReferenceFace) -> None:
         Depth and σ below 327 mm.
     """
     header = reference_header(reference)
-    planes = {"depth": _packed(reference.image.depth)}
+    planes: dict[str, Any] = {"depth": _packed(reference.image.depth)}
     if reference.image.sigma is not None:
         planes["sigma"] = _packed(reference.image.sigma)
     np.savez_compressed(

@@ -23,7 +23,7 @@ from rangeface.types import Pinhole, RangeImage
 
 _TITLE = re.compile(rb"(?:^|[\r\n])[ \t]*+(?:[%#][ \t]*+)?([A-Za-z][^\r\n]*+)")
 _PLANES = {
-    "z": ("distance", "depth", "zvector", "range"),
+    "z": ("distance", "depth", "zvector", "zcoord"),
     "x": ("xvector", "xcoord", "calibratedx"),
     "y": ("yvector", "ycoord", "calibratedy"),
     "amplitude": ("amplitude", "intensity"),
@@ -41,7 +41,8 @@ def recognise(source: Source) -> bool:
     for title in _TITLE.finditer(head):
         if _plane(title[1]):
             row, _ = first_line(source.array, title.end(), _COLUMNS)
-            return len(row) == 1 or len(row) >= 16  # a list of points has a few columns
+            if len(row) == 1 or len(row) >= 16:  # a list of points has a few columns
+                return True
     return False
 
 
@@ -50,7 +51,8 @@ def parse(source: Source) -> RangeImage:
     planes: dict[str, NDArray[np.float64]] = {}
     for title in _TITLE.finditer(source.data):
         name = _plane(title[1])
-        if name and name not in planes:
+        first, _ = first_line(source.array, title.end(), 4096)
+        if name and name not in planes and len(first):  # else a title with another below it
             planes[name] = _read(source, title.end(), name, planes.get("z"))
         if len(planes) == len(_PLANES):
             break

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,36 +20,15 @@ from numpy.typing import NDArray
 from rangeface.errors import ScanFault
 from rangeface.io._cloud import Cloud, check_indices
 from rangeface.io._source import Source
+from rangeface.io._vrml_nodes import Node, Parser
 from rangeface.numerics.polygons import fan_closed
 from rangeface.numerics.se3 import rotation_matrix
-from rangeface.numerics.text import numbers
 
-_TOKEN = re.compile(
-    rb"""(?:[\s,]++|\#[^\r\n]*+)*+              # white space, commas and comments
-    (?: (?P<number>[-+]?\.?\d[^\s,{}\[\]\#"]*+)
-      | (?P<word>[^\s,{}\[\]\#"]++)
-      | (?P<mark>[{}\[\]])
-      | (?P<text>"(?:[^"\\]|\\.)*+") )""",
-    re.VERBOSE | re.DOTALL,
-)
-_MAX_TOKENS = 100_000  # outside of number lists; a scan has a few hundred
 _MAX_VISITS = 5_000  # nodes drawn, those drawn by USE counted again
 
 _GROUPS_1 = {"Separator", "TransformSeparator", "WWWAnchor", "Group"}
 _GROUPS_2 = {"Group", "Transform", "Anchor", "Collision", "Billboard", "Shape"}
 _MOVES = {"Transform", "Translation", "Rotation", "Scale", "MatrixTransform"}
-
-
-@dataclass
-class _Node:
-    kind: str
-    values: dict[str, NDArray[np.float64]] = field(default_factory=dict)
-    children: list[_Node] = field(default_factory=list)
-
-    def value(self, name: str, default: tuple[float, ...]) -> NDArray[np.float64]:
-        """Numbers of a field, the default where it is absent or too short."""
-        found = self.values.get(name, np.empty(0))[: len(default)]
-        return found if len(found) == len(default) else np.array(default)
 
 
 def recognise(source: Source) -> bool:
@@ -60,139 +39,10 @@ def recognise(source: Source) -> bool:
 def parse(source: Source) -> Cloud:
     """All points of the scene in its world frame, with the triangles of its faces."""
     old = re.match(rb"\s*#\s*(VRML\s+V1|Inventor)", source.data[:64]) is not None
-    nodes = _Parser(source).scene()
+    nodes = Parser(source).scene()
     scene = _Scene(source, old)
     scene.draw(nodes, np.eye(4), 0)
     return scene.cloud()
-
-
-class _Parser:
-    """Tokens → nodes; number lists go through the fast scanner."""
-
-    def __init__(self, source: Source) -> None:
-        self.source = source
-        self.text = source.array
-        self.at = 0
-        self.left = _MAX_TOKENS
-        self.named: dict[bytes, _Node] = {}
-
-    def scene(self) -> list[_Node]:
-        """The nodes at the top of the file."""
-        top = _Node("")
-        while (token := self.token()) is not None:
-            self.item(top, token, "", 0)
-        return top.children
-
-    def token(self) -> re.Match[bytes] | None:
-        """The next token; None at the end."""
-        self.left -= 1
-        if self.left < 0:
-            raise self.source.error(ScanFault.TOO_LARGE, f"more than {_MAX_TOKENS} words")
-        found = _TOKEN.match(self.source.data, self.at)
-        if found is not None:
-            self.at = found.end()
-        elif self.source.data.find(b'"', self.at) >= 0:
-            raise self.source.error(ScanFault.TRUNCATED, "a text has no end")
-        return found
-
-    def need(self, what: str) -> re.Match[bytes]:
-        """The next token, which must exist."""
-        token = self.token()
-        if token is None:
-            raise self.source.error(ScanFault.TRUNCATED, f"the file ends in {what}")
-        return token
-
-    def word(self, what: str) -> bytes:
-        token = self.need(what)
-        if token["word"] is None:
-            raise self.source.error(ScanFault.MALFORMED, f"{token[0].strip()[:20]!r} in {what}")
-        return token["word"]
-
-    def item(self, owner: _Node, token: re.Match[bytes], name: str, depth: int) -> str:
-        """One thing in a node's body or a list; the field name that holds from here on."""
-        if token["number"] is not None:
-            self.scalars(owner, token, name)
-        elif token["mark"] == b"[":
-            self.list(owner, name, depth)
-        elif token["mark"] is not None:
-            raise self.source.error(ScanFault.MALFORMED, f"{token['mark'].decode()} out of place")
-        elif token["word"] is not None:
-            return self.named_item(owner, token["word"], depth)
-        return name
-
-    def named_item(self, owner: _Node, word: bytes, depth: int) -> str:
-        if word == b"USE":
-            name = self.word("USE")
-            if name in self.named:  # names of materials and the like may be unknown to us
-                owner.children.append(self.named[name])
-        elif word == b"DEF":
-            name = self.word("DEF")
-            node = self.node(self.word("DEF"), depth)
-            self.named[name] = node
-            owner.children.append(node)
-        elif word in (b"PROTO", b"EXTERNPROTO"):
-            self.prototype(word, depth)
-        elif self.opens():
-            owner.children.append(self.node(word, depth))
-        else:
-            return word.decode("latin-1")
-        return ""
-
-    def opens(self) -> bool:
-        """Whether the next token is an opening brace."""
-        found = _TOKEN.match(self.source.data, self.at)
-        return found is not None and found["mark"] == b"{"
-
-    def node(self, kind: bytes, depth: int) -> _Node:
-        """A node, from its opening to its closing brace."""
-        if depth >= self.source.limits.max_nesting:
-            raise self.source.error(
-                ScanFault.TOO_LARGE, f"nested deeper than {self.source.limits.max_nesting}"
-            )
-        if self.need(f"node {kind.decode('latin-1')}")["mark"] != b"{":
-            raise self.source.error(ScanFault.MALFORMED, f"no {{ after {kind[:40]!r}")
-        node = _Node(kind.decode("latin-1"))
-        name = ""
-        while (token := self.need(f"node {node.kind}"))["mark"] != b"}":
-            name = self.item(node, token, name, depth + 1)
-        return node
-
-    def scalars(self, owner: _Node, token: re.Match[bytes], name: str) -> None:
-        """Numbers that stand free after a field name."""
-        start = token.start("number")
-        values, stop = numbers(self.text, start, 16, commas=True)
-        if len(values):  # else something like 3dsmax that only looks like a number
-            self.at = stop
-            owner.values.setdefault(name, values)
-
-    def list(self, owner: _Node, name: str, depth: int) -> None:
-        """What stands in brackets: numbers, or nodes and texts."""
-        end = self.source.data.find(b"]", self.at)
-        if end < 0:
-            raise self.source.error(ScanFault.TRUNCATED, f"list {name} has no end")
-        count = (end - self.at) // 2 + 1
-        values, stop = numbers(
-            self.text[:end], self.at, min(count, 6 * self.source.limits.max_points), commas=True
-        )
-        if stop >= end:
-            self.at = end + 1
-            owner.values.setdefault(name, values)
-            return
-        if len(values):
-            bad = bytes(self.source.data[stop : stop + 12])
-            raise self.source.error(ScanFault.MALFORMED, f"{bad!r} in the numbers of {name}")
-        if depth >= self.source.limits.max_nesting:
-            raise self.source.error(ScanFault.TOO_LARGE, "lists nested too deeply")
-        while (token := self.need(f"list {name}"))["mark"] != b"]":
-            self.item(owner, token, name, depth + 1)
-
-    def prototype(self, word: bytes, depth: int) -> None:
-        """Pass over the definition of a node type."""
-        self.word("PROTO")
-        hidden = _Node("")
-        self.item(hidden, self.need("PROTO"), "", depth + 1)
-        if word == b"PROTO":
-            self.node(word, depth + 1)
 
 
 class _Scene:
@@ -206,7 +56,7 @@ class _Scene:
         self.corners = 0
         self.points: list[NDArray[np.float64]] = []
         self.triangles: list[NDArray[np.int64]] = []
-        self.spare: list[tuple[_Node, NDArray[np.float64]]] = []
+        self.spare: list[tuple[Node, NDArray[np.float64]]] = []
         self.drawn: dict[tuple[int, bytes], int] = {}
         self.matrices: dict[int, NDArray[np.float64]] = {}
 
@@ -220,13 +70,13 @@ class _Scene:
         faces = np.concatenate(self.triangles) if self.triangles else None
         return Cloud(np.concatenate(self.points), faces)
 
-    def draw(self, nodes: list[_Node], matrix: NDArray[np.float64], depth: int) -> None:
+    def draw(self, nodes: list[Node], matrix: NDArray[np.float64], depth: int) -> None:
         """Draw nodes in their order; in VRML 1.0 each changes the state for the next."""
         if depth > 2 * self.source.limits.max_nesting:
             raise self.source.error(ScanFault.TOO_LARGE, "nested too deeply")
         self.draw_all(nodes, _State(matrix), depth)
 
-    def draw_all(self, nodes: list[_Node], state: _State, depth: int) -> None:
+    def draw_all(self, nodes: list[Node], state: _State, depth: int) -> None:
         for node in nodes:
             self.visits += 1
             if self.visits > _MAX_VISITS:
@@ -250,13 +100,13 @@ class _Scene:
                 inner_matrix = state.matrix @ self.matrix(node) if moved else state.matrix
                 self.draw(node.children, inner_matrix, depth + 1)
 
-    def matrix(self, node: _Node) -> NDArray[np.float64]:
+    def matrix(self, node: Node) -> NDArray[np.float64]:
         """Matrix of a transform node, made once however often it is used."""
         if id(node) not in self.matrices:
             self.matrices[id(node)] = _matrix(node, self.old)
         return self.matrices[id(node)]
 
-    def shape(self, node: _Node, state: _State) -> None:
+    def shape(self, node: Node, state: _State) -> None:
         """Draw an IndexedFaceSet or a PointSet with the coordinates that hold for it."""
         own = [n for n in node.children if n.kind in ("Coordinate", "Coordinate3")]
         coordinates = own[0] if own else state.coordinates
@@ -272,7 +122,7 @@ class _Scene:
         triangles = check_indices(self.source, fan_closed(whole), count)
         self.triangles.append(np.asarray(triangles + base, dtype=np.int64))
 
-    def add_points(self, node: _Node, matrix: NDArray[np.float64]) -> tuple[int, int]:
+    def add_points(self, node: Node, matrix: NDArray[np.float64]) -> tuple[int, int]:
         """Number of the first point of a Coordinate node in the world frame, and how many."""
         values = node.values.get("point", np.empty(0))
         if len(values) % 3:
@@ -295,10 +145,10 @@ class _Scene:
 @dataclass
 class _State:
     matrix: NDArray[np.float64]
-    coordinates: _Node | None = None
+    coordinates: Node | None = None
 
 
-def _chosen(node: _Node) -> Iterator[_Node]:
+def _chosen(node: Node) -> Iterator[Node]:
     """The child that a Switch shows, or the finest level of an LOD."""
     if node.kind == "LOD":
         yield from node.children[:1]
@@ -311,7 +161,7 @@ def _chosen(node: _Node) -> Iterator[_Node]:
         yield node.children[int(number)]
 
 
-def _matrix(node: _Node, old: bool) -> NDArray[np.float64]:
+def _matrix(node: Node, old: bool) -> NDArray[np.float64]:
     r"""Matrix of a transform node: T C R S_o S S_o⁻¹ C⁻¹ (ISO/IEC 14772-1, 6.52)."""
     if node.kind == "MatrixTransform":
         rows = node.value("matrix", tuple(np.eye(4).ravel()))

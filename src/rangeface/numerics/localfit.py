@@ -9,6 +9,7 @@ and per px². Residuals are weighted by 1/σ²; then Cov(c) = (Φᵀ W Φ)⁻¹ 
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TypeAlias
 
 import numpy as np
@@ -116,10 +117,29 @@ def _run(
             raise ParameterError("sigma: must be > 0 mm everywhere")
         weights = 1.0 / (spread * spread)
     k = TERMS[degree]
-    coefficients = np.empty((*batch.shape, k), np.float32)
+    coefficients = np.full((*batch.shape, k), np.nan, np.float32)
     covariance = np.empty((*batch.shape, k, k) if want else (0, 0, 0, k, k), np.float32)
+    if sigma is None:
+        _filter(batch, *_filters(float(radius_px), degree), coefficients)
     _fit(batch, weights, sigma is not None, float(radius_px), coefficients, covariance)
     return coefficients, covariance, leading
+
+
+@lru_cache(maxsize=32)
+def _filters(radius_px: float, degree: int) -> tuple[NDArray[np.int64], Float32]:
+    """Offsets (m, 2: row, column) of a complete disc, and the filter (k, m) of each coefficient.
+
+    Without weights every complete disc has the same normal equations, so that its fit is a linear
+    filter (Savitzky and Golay, doi:10.1021/ac60214a047). Empty where the disc has too few pixels.
+    """
+    reach = int(radius_px)
+    j, i = np.mgrid[-reach : reach + 1, -reach : reach + 1]
+    inside = i * i + j * j <= radius_px * radius_px
+    j, i = j[inside], i[inside]
+    basis = np.stack([np.ones(i.shape), i, j, 0.5 * i * i, i * j, 0.5 * j * j])[: TERMS[degree]]
+    if np.linalg.matrix_rank(basis) < TERMS[degree]:
+        return np.empty((0, 2), np.int64), np.empty((TERMS[degree], 0), np.float32)
+    return np.stack([j, i], axis=-1), np.linalg.pinv(basis.T).astype(np.float32)
 
 
 # ── kernels ──────────────────────────────────────────────────────────────────────────────
@@ -153,7 +173,35 @@ def _moments(f, w, weighted, v, u, radius, phi, A, y):  # type: ignore[no-untype
 
 
 @njit(cache=True, nogil=True)
+def _filter(images, offsets, filters, coefficients):  # type: ignore[no-untyped-def]
+    """Fit every disc that is complete; any other sums to NaN and stays open."""
+    n, height, width = images.shape
+    k, samples = filters.shape
+    if samples == 0:
+        return
+    reach = offsets.max()
+    inner = max(width - 2 * reach, 0)
+    total = np.empty((k, inner), np.float32)
+    for m in range(n):
+        for v in range(reach, height - reach):
+            here = images[m, v, reach:]
+            total[:] = 0.0
+            for s in range(samples):
+                there = images[m, v + offsets[s, 0], reach + offsets[s, 1] :]
+                for t in range(k):
+                    weight, row = filters[t, s], total[t]
+                    for u in range(inner):
+                        row[u] += weight * (there[u] - here[u])
+            for t in range(k):
+                for u in range(inner):
+                    coefficients[m, v, reach + u, t] = total[t, u]
+            for u in range(inner):
+                coefficients[m, v, reach + u, 0] += here[u]
+
+
+@njit(cache=True, nogil=True)
 def _fit(images, weights, weighted, radius, coefficients, covariance):  # type: ignore[no-untyped-def]
+    """Solve the normal equations of every disc whose coefficients are still open."""
     n, height, width = images.shape
     k = coefficients.shape[3]
     phi, y, A = np.empty(k), np.empty(k), np.empty((k, k))
@@ -165,6 +213,8 @@ def _fit(images, weights, weighted, radius, coefficients, covariance):  # type: 
         for v in range(height):
             for u in range(width):
                 here = images[m, v, u]
+                if coefficients[m, v, u, 0] == coefficients[m, v, u, 0]:
+                    continue
                 _moments(images[m], w, weighted, v, u, radius, phi, A, y)
                 if here != here or not cholesky.factor(A):
                     coefficients[m, v, u] = np.nan

@@ -14,15 +14,13 @@ from __future__ import annotations
 from typing import TypeAlias
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from rangeface.numerics import localfit
+from rangeface.numerics import normal_kernels as kernels
 from rangeface.numerics.batches import as_batch
 
 Float32: TypeAlias = NDArray[np.float32]
-
-_FASTMATH = {"contract", "reassoc", "arcp", "nsz"}  # never nnan: NaN marks invalid pixels
 
 
 def from_points(points: ArrayLike) -> Float32:
@@ -51,7 +49,9 @@ def from_points(points: ArrayLike) -> Float32:
     """
     array = np.ascontiguousarray(points, dtype=np.float32)
     normals = np.empty_like(array)
-    _from_points(array.reshape(-1, *array.shape[-3:]), normals.reshape(-1, *array.shape[-3:]))
+    kernels.from_points(
+        array.reshape(-1, *array.shape[-3:]), normals.reshape(-1, *array.shape[-3:])
+    )
     return normals
 
 
@@ -77,7 +77,7 @@ def from_depth_orthographic(depth: ArrayLike, pitch: float) -> Float32:
     """
     batch, leading = as_batch(depth)
     normals = np.empty((*batch.shape, 3), np.float32)
-    _from_orthographic(batch, np.float32(pitch), normals)
+    kernels.from_orthographic(batch, np.float32(pitch), normals)
     return normals.reshape(*leading, *normals.shape[1:])
 
 
@@ -107,7 +107,7 @@ def from_depth_pinhole(depth: ArrayLike, fx: float, fy: float, cx: float, cy: fl
     a = ((np.arange(-1, width + 1) - cx) / fx).astype(np.float32)
     b = ((np.arange(-1, height + 1) - cy) / fy).astype(np.float32)
     normals = np.empty((*batch.shape, 3), np.float32)
-    _from_pinhole(batch, a, b, normals)
+    kernels.from_pinhole(batch, a, b, normals)
     return normals.reshape(*leading, *normals.shape[1:])
 
 
@@ -243,131 +243,3 @@ def covariance_of_slopes(p: ArrayLike, q: ArrayLike, slopes: ArrayLike) -> Float
     J = np.stack([np.stack(np.broadcast_arrays(*row), axis=-1) for row in rows], axis=-2)
     J = J / s[..., None, None] ** 3
     return np.asarray(J @ np.asarray(slopes, np.float64) @ np.swapaxes(J, -1, -2), np.float32)
-
-
-# ── kernels ──────────────────────────────────────────────────────────────────────────────
-
-_kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath=_FASTMATH)
-_inlined = njit(cache=True, nogil=True, error_model="numpy", inline="always")
-
-
-@_inlined
-def _or(value, fallback):  # type: ignore[no-untyped-def]
-    """The value, or the fallback where it is NaN."""
-    return value if value == value else fallback
-
-
-@_inlined
-def _pad(row, padded):  # type: ignore[no-untyped-def]
-    """Copy a row between two NaN, so that the image ends as a hole begins."""
-    padded[0] = np.nan
-    padded[1:-1] = row
-    padded[-1] = np.nan
-
-
-@_inlined
-def _next_row(image, v, padded):  # type: ignore[no-untyped-def]
-    """Padded copy of row v; all NaN beyond the image."""
-    if v < image.shape[0]:
-        _pad(image[v], padded)
-    else:
-        padded[:] = np.nan
-
-
-@_inlined
-def _scale(depth, nx, ny, nz):  # type: ignore[no-untyped-def]
-    """Inverse length of a direction; NaN where the depth is NaN."""
-    scale = np.float32(1.0) / np.sqrt(nx * nx + ny * ny + nz * nz)
-    return scale if depth == depth else depth
-
-
-@_inlined
-def _interleave(planes, row):  # type: ignore[no-untyped-def]
-    """Planes (3, W) → row (W, 3): the arithmetic stays contiguous, hence vectorised."""
-    for u in range(row.shape[0]):
-        row[u, 0] = planes[0, u]
-        row[u, 1] = planes[1, u]
-        row[u, 2] = planes[2, u]
-
-
-@_kernel
-def _from_points(points, normals):  # type: ignore[no-untyped-def]
-    n, height, width, _ = points.shape
-    du, dv = np.empty(3, np.float32), np.empty(3, np.float32)
-    for i in range(n):
-        for v in range(height):
-            above, below = max(v - 1, 0), min(v + 1, height - 1)
-            for u in range(width):
-                left, right = max(u - 1, 0), min(u + 1, width - 1)
-                for c in range(3):
-                    p = points[i, v, u, c]
-                    du[c] = _or(points[i, v, right, c], p) - _or(points[i, v, left, c], p)
-                    dv[c] = _or(points[i, below, u, c], p) - _or(points[i, above, u, c], p)
-                nx = dv[1] * du[2] - dv[2] * du[1]
-                ny = dv[2] * du[0] - dv[0] * du[2]
-                nz = dv[0] * du[1] - dv[1] * du[0]
-                scale = _scale(points[i, v, u, 2], nx, ny, nz)
-                normals[i, v, u, 0] = nx * scale
-                normals[i, v, u, 1] = ny * scale
-                normals[i, v, u, 2] = nz * scale
-
-
-@_kernel
-def _from_pinhole(depth, a, b, normals):  # type: ignore[no-untyped-def]
-    n, height, width = depth.shape
-    above, here, below = np.empty((3, width + 2), np.float32)
-    a_west, a_centre, a_east = a, a[1:], a[2:]
-    planes = np.empty((3, width), np.float32)
-    NX, NY, NZ = planes
-    for i in range(n):
-        above[:] = np.nan
-        _pad(depth[i, 0], here)
-        for v in range(height):
-            _next_row(depth[i], v + 1, below)
-            # the row and its neighbours, as views that one index walks
-            west, centre, east, north, south = here, here[1:], here[2:], above[1:], below[1:]
-            b0, b_up, b_down = b[v + 1], b[v], b[v + 2]
-            for u in range(width):
-                z, a0 = centre[u], a_centre[u]
-                # a missing neighbour is replaced by the pixel itself, on its own ray
-                x_west, x_east = _or(west[u] * a_west[u], z * a0), _or(east[u] * a_east[u], z * a0)
-                y_north, y_south = _or(north[u] * b_up, z * b0), _or(south[u] * b_down, z * b0)
-                # ∂p/∂u = (X, b D, D), ∂p/∂v = (a E, Y, E)
-                X, D = x_east - x_west, _or(east[u], z) - _or(west[u], z)
-                Y, E = y_south - y_north, _or(south[u], z) - _or(north[u], z)
-                nx, ny, nz = D * (Y - b0 * E), E * (X - a0 * D), a0 * b0 * D * E - X * Y
-                scale = _scale(z, nx, ny, nz)
-                NX[u], NY[u], NZ[u] = nx * scale, ny * scale, nz * scale
-            _interleave(planes, normals[i, v])
-            above, here, below = here, below, above
-
-
-@_kernel
-def _from_orthographic(depth, pitch, normals):  # type: ignore[no-untyped-def]
-    n, height, width = depth.shape
-    above, here, below = np.empty((3, width + 2), np.float32)
-    planes = np.empty((3, width), np.float32)
-    NX, NY, NZ = planes
-    zero = np.float32(0.0)
-    for i in range(n):
-        above[:] = np.nan
-        _pad(depth[i, 0], here)
-        for v in range(height):
-            _next_row(depth[i], v + 1, below)
-            # the row and its neighbours, as views that one index walks
-            west, centre, east, north, south = here, here[1:], here[2:], above[1:], below[1:]
-            for u in range(width):
-                z = centre[u]
-                # ∂p/∂u = (X, 0, D), ∂p/∂v = (0, Y, E); a missing neighbour adds no length
-                X = (pitch if west[u] == west[u] else zero) + (
-                    pitch if east[u] == east[u] else zero
-                )
-                Y = (pitch if north[u] == north[u] else zero) + (
-                    pitch if south[u] == south[u] else zero
-                )
-                D, E = _or(east[u], z) - _or(west[u], z), _or(south[u], z) - _or(north[u], z)
-                nx, ny, nz = D * Y, E * X, -X * Y
-                scale = _scale(z, nx, ny, nz)
-                NX[u], NY[u], NZ[u] = nx * scale, ny * scale, nz * scale
-            _interleave(planes, normals[i, v])
-            above, here, below = here, below, above

@@ -162,7 +162,8 @@ def _digits(d, per_unit):  # type: ignore[no-untyped-def]
     units = abs(d) * per_unit + np.float32(0.5)
     units = units if units < np.float32(7.0) else np.float32(7.0)
     size = np.int32(units if d == d else np.float32(0.0))
-    return _sign(d, 1) | (size & 4) << 6 | (size & 2) << 15 | (size & 1) << 24
+    # three shifted copies at once; of each, one bit is kept
+    return _sign(d, 1) | (size * np.int32(0x01008040)) & np.int32(0x01010100)
 
 
 @njit(cache=True, nogil=True)

@@ -28,8 +28,8 @@ def _nearest_surface(points, height, width):  # type: ignore[no-untyped-def]
     """Smallest z in each grid cell's 3 × 3 neighbourhood; points (n, 3) as column, row, z."""
     front = np.full((height, width), np.inf, np.float32)
     for k in range(points.shape[0]):
-        col = int(math.floor(points[k, 0] + 0.5))
-        row = int(math.floor(points[k, 1] + 0.5))
+        col = math.floor(points[k, 0] + 0.5)
+        row = math.floor(points[k, 1] + 0.5)
         for i in range(max(row - 1, 0), min(row + 2, height)):
             for j in range(max(col - 1, 0), min(col + 2, width)):
                 front[i, j] = min(front[i, j], points[k, 2])
@@ -77,9 +77,9 @@ def moving_least_squares(points, weights, values, height, width, sigma_px, min_w
     spread = np.float32(-0.5) / (sigma_px * sigma_px)
     for k in range(points.shape[0]):
         x, y, z = points[k, 0], points[k, 1], points[k, 2]
-        for i in range(max(int(math.ceil(y - reach)), 0), min(int(y + reach) + 1, height)):
+        for i in range(max(math.ceil(y - reach), 0), min(int(y + reach) + 1, height)):
             v = y - i
-            for j in range(max(int(math.ceil(x - reach)), 0), min(int(x + reach) + 1, width)):
+            for j in range(max(math.ceil(x - reach), 0), min(int(x + reach) + 1, width)):
                 if z > front[i, j] + np.float32(_LAYER_MM):
                     continue
                 u = x - j

@@ -12,6 +12,8 @@ SIZES = np.array([1, 1, 2, 2, 4, 4, 4, 8])
 
 @njit(cache=True, nogil=True)
 def _integer(data: NDArray[np.uint8], at: int, code: int, big: bool) -> int:
+    if code == 1:
+        return int(data[at])
     size = 1 << (code // 2)
     value = 0
     for k in range(size):
@@ -53,8 +55,8 @@ def walk_binary(
         Bytes of each type, `SIZES`.
     counts : (rows or 0,) int64
         Filled with the lists' lengths, unless empty.
-    items : (k or 0,) int64
-        Filled with the lists' values, unless empty.
+    items : (k,) int64
+        Filled with the lists' values, as many as fit.
 
     Returns
     -------
@@ -81,9 +83,8 @@ def walk_binary(
             if p == wanted:
                 if len(counts):
                     counts[row] = count
-                if len(items):
-                    for k in range(count):
-                        items[total + k] = _integer(data, at + k * width, code, big)
+                for k in range(min(count, len(items) - total)):
+                    items[total + k] = _integer(data, at + k * width, code, big)
                 total += count
             at += count * width
     return rows, at, total

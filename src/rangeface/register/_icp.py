@@ -144,7 +144,7 @@ def _refusal(
 ) -> Reason | None:
     if fit.inliers < 60:
         return Reason.TOO_FEW_POINTS
-    if not fit.moved_mm < 0.5 or fit.condition > 1e5:
+    if not fit.moved_mm < 1.0 or fit.condition > 1e5:
         return Reason.NOT_CONVERGED
     if fit.overlap < min_overlap:
         return Reason.LOW_OVERLAP

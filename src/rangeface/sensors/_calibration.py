@@ -63,9 +63,8 @@ class Calibration:
         corrected = image.with_depth((radial - error) / ray)
         if image.amplitude is None:
             return corrected
-        return replace(
-            corrected, amplitude=image.amplitude / np.maximum(self.gain, np.float32(1e-3))
-        )
+        amplitude: Float32 = np.asarray(image.amplitude / np.maximum(self.gain, 1e-3), np.float32)
+        return replace(corrected, amplitude=amplitude)
 
     def save(self, path: str | Path) -> None:
         """Write one npz file of four arrays.

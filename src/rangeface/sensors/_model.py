@@ -41,6 +41,7 @@ EFFECTS: Mapping[str, Mapping[str, float]] = MappingProxyType(
         "vignetting": {"vignetting": 0.0},
         "dead pixels": {"dead_pixels": 0.0},
         "shot noise": {"shot_noise": 0.0},
+        "threshold": {"min_snr": 0.0, "min_amplitude": 0.0},
     }
 )
 

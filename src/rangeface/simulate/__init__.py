@@ -1,7 +1,8 @@
 """Makes scans: heads of people who do not exist, and cameras that see them as real ones would."""
 
 from rangeface.simulate._anatomy import Tissue
-from rangeface.simulate._capture import METHODS, capture, random_point, triangulate
+from rangeface.simulate._capture import METHODS, capture, frames, random_point, triangulate
+from rangeface.simulate._collection import VIEWS, Labelled, View, collection
 from rangeface.simulate._degrade import (
     add_noise,
     add_noise_psnr,
@@ -21,13 +22,16 @@ from rangeface.simulate._tof import Buckets, amplitude, buckets, decode, tof
 __all__ = [
     "EXPRESSIONS",
     "METHODS",
+    "VIEWS",
     "Buckets",
     "Frame",
     "Head",
+    "Labelled",
     "MorphableModel",
     "Motion",
     "Scene",
     "Tissue",
+    "View",
     "add_noise",
     "add_noise_psnr",
     "amplitude",
@@ -35,8 +39,10 @@ __all__ = [
     "buckets",
     "capture",
     "coarsen",
+    "collection",
     "decode",
     "degrade",
+    "frames",
     "head",
     "ict_facekit",
     "mean_head",

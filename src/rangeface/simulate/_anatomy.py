@@ -190,7 +190,7 @@ def _below_jaw(theta: Field, level: Field) -> Field:
         (92, 22),
         (130, 25),
         (180, 30),
-    )
+    )  # fmt: skip
     softness = curve(away, (0, 8.5), (40, 8.5), (62, 12), (95, 20), (130, 32), (180, 36))
     return ramp((level - border) / softness, -1.0, 1.0)
 
@@ -257,7 +257,7 @@ def _cheeks(x: Field, y: Field) -> Field:
     hollow = 1.6 * _gauss(x, y, 46.0, 30.0, 12.0, 14.0)
     fold = 1.5 * _gauss(np.abs(x) - 0.45 * (y - 8), y, 21.5, 18.0, 3.0, 12.0)
     chin = 4.2 * _gauss(x, y, 0.0, 63.0, 13.5, 8.5) + 1.2 * _gauss(x, y, 9.0, 66.0, 7.0, 6.0)
-    temple = 2.2 * _gauss(x, y, 59.0, -62.0, 10.0, 16.0)
+    temple = 1.0 * _gauss(x, y, 59.0, -62.0, 10.0, 16.0)
     return bone + apple + chin - hollow - fold - temple
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from rangeface.errors import ParameterError
 from rangeface.numerics import draws
 from rangeface.sensors import SensorModel
+from rangeface.simulate import _tof
 from rangeface.simulate._scene import Scene
 from rangeface.simulate._tof import amplitude, tof
 from rangeface.types import RangeImage
@@ -43,6 +44,52 @@ def capture(scene: Scene, sensor: SensorModel, *, rng: np.random.Generator) -> R
     0.2
     """
     return METHODS[sensor.principle](scene, sensor, rng=rng)
+
+
+def frames(
+    scene: Scene, sensor: SensorModel, count: int, *, rng: np.random.Generator
+) -> Iterator[RangeImage]:
+    """Several captures of a still scene: the light is computed once, the noise for each frame.
+
+    Parameters
+    ----------
+    scene : Scene
+        The view.
+    sensor : SensorModel
+        Any sensor.
+    count : int
+        Number of frames, ≥ 1.
+    rng : numpy.random.Generator
+        Source of the noise.
+
+    Yields
+    ------
+    RangeImage
+        As `capture` would give, one after the other.
+
+    Raises
+    ------
+    ParameterError
+        The number of frames is below 1.
+
+    Examples
+    --------
+    >>> from rangeface import sensors, simulate
+    >>> sensor = sensors.preset("sr3000")
+    >>> view = simulate.render(simulate.mean_head(), sensor.camera, simulate.pose())
+    >>> first, second = frames(view, sensor, 2, rng=np.random.default_rng(0))
+    >>> bool((first.depth != second.depth).any())
+    True
+    """
+    if count < 1:
+        raise ParameterError(f"count: must be ≥ 1, got {count}")
+    if sensor.principle != "phase":
+        return (capture(scene, sensor, rng=rng) for _ in range(count))
+    lights, camera = _tof.exposure(scene, sensor)
+    return (
+        _tof.decode(_tof.Buckets(_tof.count(lights, sensor, rng=rng), camera), sensor)
+        for _ in range(count)
+    )
 
 
 def random_point(scene: Scene, sensor: SensorModel, *, rng: np.random.Generator) -> RangeImage:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.ndimage import distance_transform_edt
 
 from rangeface.errors import ParameterError
 from rangeface.numerics import draws
@@ -125,14 +126,15 @@ def punch_holes(
     if share == 1:
         return image.masked(np.zeros(image.shape, bool))
     height, width = image.shape
-    v, u = np.mgrid[:height, :width]
-    area = max(1.0, np.pi * radius_px**2)
-    keep = np.ones(image.shape, bool)
+    reach = np.arange(-np.ceil(radius_px), np.ceil(radius_px) + 1)
+    area = int((np.hypot(reach[:, None], reach) <= radius_px).sum())
     # discs thrown at random overlap: n of them leave exp(−n · area / size) uncovered
-    for _ in range(round(-np.log1p(-share) * height * width / area)):
-        y, x = rng.random(2) * (height, width)
-        keep &= (u - x) ** 2 + (v - y) ** 2 > radius_px**2
-    return image.masked(keep)
+    count = round(-np.log1p(-share) * height * width / area)
+    centres = np.zeros(image.shape, bool)
+    centres[rng.integers(0, height, count), rng.integers(0, width, count)] = True
+    if not centres.any():
+        return image
+    return image.masked(distance_transform_edt(~centres) > radius_px)
 
 
 def degrade(

@@ -30,10 +30,13 @@ SHINE = np.array([{Tissue.EYE: 0.6}.get(t, 0.0) for t in Tissue], np.float32)
 
 # root mean square (mm) and shortest and longest wavelength (mm) of the individual relief
 RELIEF = ((0.6, 45.0, 110.0), (0.15, 14.0, 45.0))
+_DAILY = (0.15, 10.0, 40.0)  # the same for what changes from day to day
+_BEARD = (2.0, 12.0)  # its length, mm
+_FRINGE = (-92.0, -66.0)  # the level that it reaches down to, mm
 
 # where the landmarks of the mean head lie in the frontal view, mm
 _LANDMARKS = {
-    "nose_tip": (0.0, -0.5), "nose_root": (0.0, -41.0), "subnasale": (0.0, 12.0),
+    "nose_tip": (0.0, -0.5), "nose_root": (0.0, -41.0), "subnasale": (0.0, 14.0),
     "left_eye_inner": (16.5, -37.0), "left_eye_outer": (46.0, -37.0),
     "right_eye_inner": (-16.5, -37.0), "right_eye_outer": (-46.0, -37.0),
     "left_alare": (17.0, 3.0), "right_alare": (-17.0, 3.0),
@@ -148,34 +151,61 @@ def head(
     True
     """
     _check(seed, session, sex, age)
-    rng, visit = (
-        np.random.default_rng([seed, 0x4EAD]),
-        np.random.default_rng([seed, session, 0x5E55]),
-    )
-    anatomy = mean_anatomy()
-    weights, stout = _weights(rng, sex, age)
-    if session:
-        weights = weights + visit.normal(0.0, 0.12) * stout
-    points = anatomy.points + np.tensordot(weights.astype(np.float32), basis(), axes=1)
-    points[:, 2] -= sum(relief(anatomy, *band, rng=rng) for band in RELIEF)
-    hair, skin = rng.uniform(0.15, 0.45), np.clip(rng.normal(1.0, 0.08), 0.75, 1.25)
-    if session:
-        points += visit.normal(0.0, 3.0) * hair_volume(anatomy)
-        points[:, 2] -= relief(anatomy, 0.15, 10.0, 40.0, rng=visit)
+    person = _person(seed, sex, age)
+    visit = np.random.default_rng([seed, session, 0x5E55])
+    points = person.points + (_change(visit) if session else 0.0)
     points += gesture(expression, strength, person=seed, rng=visit)
-    tissue = anatomy.tissue.copy()
+    tissue = mean_anatomy().tissue.copy()
     own = np.random.default_rng([seed, 0xD2E5])
-    for worn, grow, low, high in (
-        (beard, _dress.beard, 2.0, 12.0),
-        (fringe, _dress.fringe, -92.0, -66.0),
+    for worn, grow, (low, high) in (
+        (beard, _dress.beard, _BEARD),
+        (fringe, _dress.fringe, _FRINGE),
     ):
         amount = own.uniform(low, high)
         if worn:
-            off, where = grow(anatomy, amount, own)
+            off, where = grow(mean_anatomy(), amount, own)
             points += off
             tissue[where > 0.5] = Tissue.HAIR
-    made = _finish(points, tissue, hair, float(skin), f"person {seed}")
+    made = _finish(points, tissue, person.hair, person.skin, f"person {seed}")
     return _with_glasses(made, own) if glasses else made
+
+
+@dataclass(frozen=True, eq=False)
+class _Person:
+    """What stays the same from visit to visit: neutral shape, and reflectivities."""
+
+    points: Field
+    hair: float
+    skin: float
+
+
+@lru_cache(maxsize=64)
+def _person(seed: int, sex: str | None, age: float | None) -> _Person:
+    rng = np.random.default_rng([seed, 0x4EAD])
+    anatomy = mean_anatomy()
+    weights = _weights(rng, sex, age)
+    points = anatomy.points + np.tensordot(weights.astype(np.float32), basis(), axes=1)
+    points[:, 2] -= sum(relief(anatomy, *band, rng=rng) for band in RELIEF)
+    return _Person(
+        points, rng.uniform(0.15, 0.45), float(np.clip(rng.normal(1.0, 0.08), 0.75, 1.25))
+    )
+
+
+def _change(visit: np.random.Generator) -> Field:
+    """What is different on another day: weight, hair, and the skin's fine relief."""
+    change = visit.normal(0.0, 0.12) * _stoutness() + visit.normal(0.0, 3.0) * _hair()
+    change[:, 2] -= relief(mean_anatomy(), *_DAILY, rng=visit)
+    return change
+
+
+@lru_cache(maxsize=1)
+def _stoutness() -> Field:
+    return np.tensordot(tendencies()[2], basis(), axes=1)
+
+
+@lru_cache(maxsize=1)
+def _hair() -> Field:
+    return hair_volume(mean_anatomy())
 
 
 def _check(seed: int, session: int, sex: str | None, age: float | None) -> None:
@@ -187,7 +217,7 @@ def _check(seed: int, session: int, sex: str | None, age: float | None) -> None:
         raise ParameterError(f"age: must be 18 … 90 years, got {age}")
 
 
-def _weights(rng: np.random.Generator, sex: str | None, age: float | None) -> tuple[Field, Field]:
+def _weights(rng: np.random.Generator, sex: str | None, age: float | None) -> Field:
     # everything is drawn in a fixed order, so that a given sex or age changes nothing else
     drawn_sex, drawn_age = rng.random(), 20.0 + 50.0 * rng.random()
     stoutness = float(np.clip(rng.normal(), -2.0, 2.5))
@@ -195,7 +225,7 @@ def _weights(rng: np.random.Generator, sex: str | None, age: float | None) -> tu
     male, decade, stout = tendencies()
     manly = 1.0 if (sex or ("male" if drawn_sex < 0.5 else "female")) == "male" else -1.0
     years = drawn_age if age is None else age
-    return own + manly * male + (years - 35.0) / 10.0 * decade + stoutness * stout, stout
+    return own + manly * male + (years - 35.0) / 10.0 * decade + stoutness * stout
 
 
 def _finish(points: Field, tissue: NDArray[np.int8], hair: float, skin: float, name: str) -> Head:

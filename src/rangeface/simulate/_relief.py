@@ -44,7 +44,8 @@ def relief(
     direction, phase = 2.0 * np.pi * rng.random((2, _WAVES))
     k = 2.0 * np.pi / length * np.stack([np.cos(direction), np.sin(direction)])
     seen = (anatomy.front > 0) & (anatomy.level < 110.0)
+    place = np.stack([anatomy.x[seen], anatomy.y[seen]], axis=-1).astype(np.float32)
+    waves = place @ k.astype(np.float32) + phase.astype(np.float32)
     height = np.zeros(anatomy.x.shape)
-    waves = np.stack([anatomy.x[seen], anatomy.y[seen]], axis=-1) @ k + phase
-    height[seen] = rms_mm * np.sqrt(2.0 / _WAVES) * np.cos(waves.astype(np.float32)).sum(axis=1)
+    height[seen] = rms_mm * np.sqrt(2.0 / _WAVES) * np.cos(waves).sum(axis=1)
     return height * anatomy.front * ramp(-anatomy.level, -110.0, -84.0)

@@ -181,15 +181,16 @@ def _view(
         size_px=(fine.width, fine.height), perspective=perspective,
     )  # fmt: skip
     starts = np.concatenate([[0], np.cumsum(counts)])
-    part = np.searchsorted(starts, triangle, side="right") - 1
+    surface = np.repeat(np.arange(len(counts), dtype=np.int16), counts)
     seen = triangle >= 0
-    seen_look = np.zeros((*triangle.shape, 2), np.float32)
-    seen_look[seen] = look[triangles].mean(axis=1)[triangle[seen]]
-    return Scene(
-        camera, depth, normal, seen_look[..., 0], seen_look[..., 1],
-        np.where(seen, part, -1).astype(np.int16),
-        np.where(seen, triangle - starts[part], -1).astype(np.int32), oversample,
-    )  # fmt: skip
+    hit = triangle[seen]
+    reflectivity, shine = (np.zeros(triangle.shape, np.float32) for _ in range(2))
+    mean_look = look[triangles].sum(axis=1) / np.float32(3.0)
+    reflectivity[seen], shine[seen] = mean_look[hit].T
+    part, own = np.full(triangle.shape, -1, np.int16), np.full(triangle.shape, -1, np.int32)
+    part[seen] = surface[hit]
+    own[seen] = hit - starts[surface[hit]]
+    return Scene(camera, depth, normal, reflectivity, shine, part, own, oversample)
 
 
 def _look(surface: Head | PointSet) -> Float32:

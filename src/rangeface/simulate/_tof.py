@@ -19,7 +19,7 @@ from rangeface.types import Camera, Float32, RangeImage
 
 Complex64: TypeAlias = NDArray[np.complex64]
 
-_SHINE_POWER = 400.0  # the lamp's image on a wet eye is a few degrees wide
+_SHINE_POWER = 100.0  # the lamp's image on a wet eye is some ten degrees wide
 _HOLLOW_MM = 20.0  # depth of a hollow that receives the whole second bounce
 _NEAR_PX = 6.0  # how far a second bounce reaches
 
@@ -101,26 +101,41 @@ def buckets(
     ParameterError
         As in `tof`.
     """
+    lights, camera = exposure(scene, sensor)
+    return Buckets(count(lights, sensor, rng=rng), camera)
+
+
+Light: TypeAlias = tuple[Complex64, Float32]
+
+
+def exposure(
+    scene: Scene | Sequence[Scene], sensor: SensorModel
+) -> tuple[tuple[Light, ...], Camera]:
+    """Light on the pixels for every bucket: signal and mean count; parameters as in `tof`."""
     if sensor.principle != "phase":
         raise ParameterError(f"sensor: {sensor.name!r} has no buckets ({sensor.principle})")
     scenes = [scene] if isinstance(scene, Scene) else list(scene)
-    steps = [(f, k) for f in range(len(sensor.frequencies_hz)) for k in range(sensor.phases)]
+    steps = [f for f in sensor.frequencies_hz for _ in range(sensor.phases)]
     if len(scenes) not in (1, len(steps)):
         raise ParameterError(f"scene: 1 or {len(steps)} scenes (one a bucket), got {len(scenes)}")
-    camera = scenes[0].camera
-    shape = (len(sensor.frequencies_hz), sensor.phases, camera.height, camera.width)
-    counts = np.empty(shape, np.float32)
+    if len(scenes) > 1:
+        moving = zip(scenes, steps, strict=True)
+        return tuple(_light(view, sensor, f) for view, f in moving), scenes[0].camera
+    still = {f: _light(scenes[0], sensor, f) for f in sensor.frequencies_hz}
+    return tuple(still[f] for f in steps), scenes[0].camera
+
+
+def count(lights: Sequence[Light], sensor: SensorModel, *, rng: np.random.Generator) -> Float32:
+    """What the buckets count in one frame, (f, N, H, W)."""
+    shape = (len(sensor.frequencies_hz), sensor.phases, *lights[0][0].shape)
     jitter = sensor.jitter_rad * rng.standard_normal(shape[0])
     gains = 1.0 + sensor.modulation_error * rng.standard_normal(shape[:2])
-    lights: dict[tuple[int, int], tuple[Complex64, Float32]] = {}
-    for index, (f, k) in enumerate(steps):
-        view = (index if len(scenes) > 1 else 0, f)
-        if view not in lights:
-            lights = {view: _light(scenes[view[0]], sensor, sensor.frequencies_hz[f])}
-        signal, mean = lights[view]
+    counts = np.empty(shape, np.float32)
+    for index, (signal, mean) in enumerate(lights):
+        f, k = divmod(index, sensor.phases)
         shift = 2.0 * np.pi * k / sensor.phases + jitter[f]
-        counts[f, k] = mean + gains[f, k] * _correlation(signal, shift, sensor)
-    return Buckets(_detect(counts, sensor, rng), camera)
+        counts[f, k] = mean + np.float32(gains[f, k]) * _correlation(signal, shift, sensor)
+    return _detect(counts, sensor, rng)
 
 
 def decode(captured: Buckets, sensor: SensorModel) -> RangeImage:
@@ -183,7 +198,7 @@ def amplitude(scene: Scene, sensor: SensorModel) -> Float32:
     return np.nan_to_num(np.float32(sensor.signal) * law)
 
 
-def _light(scene: Scene, sensor: SensorModel, frequency_hz: float) -> tuple[Complex64, Float32]:
+def _light(scene: Scene, sensor: SensorModel, frequency_hz: float) -> Light:
     """Complex signal and mean count per pixel, before the electronics."""
     A = amplitude(scene, sensor)
     ray, _ = _optics(scene.fine_camera, 0.0)

@@ -90,7 +90,12 @@ ARMS: dict[str, Arm] = {
 
 
 def run(
-    *, seed: int = 0, people: int = 40, probes: int = 2, ict: Path | None = None
+    *,
+    seed: int = 0,
+    people: int = 40,
+    probes: int = 2,
+    pitches_mm: tuple[float, ...] = PITCHES_MM,
+    ict: Path | None = None,
 ) -> dict[str, Any]:
     """Measure d′ of every feature against noise and pixel size.
 
@@ -102,6 +107,8 @@ def run(
         Number of people in each population, ≥ 3.
     probes : int
         Probes of each person.
+    pitches_mm : tuple of float
+        Pixel sizes, mm; the ranking needs 2.8.
     ict : Path, optional
         The morphable model `ict_facekit_mm.npz`; without it only our own heads are used.
 
@@ -118,7 +125,7 @@ def run(
     cells = [
         cell
         for name, heads in populations.items()
-        for pitch_mm in PITCHES_MM
+        for pitch_mm in pitches_mm
         for cell in _cells(name, heads, pitch_mm, seed)
     ]
     return {"seed": seed, "people": people, "cells": cells, "ranking": ranking(cells)}
@@ -149,6 +156,7 @@ def ranking(cells: list[dict[str, Any]], *, sigma_mm: float = 2.0) -> list[dict[
 
 def draw(result: dict[str, Any], path: Path) -> Path:
     """Picture of d′ against σ at 2.8 mm pixels, one panel a population, the best in colour."""
+    from matplotlib import colormaps
     from matplotlib.figure import Figure
 
     names = sorted({c["population"] for c in result["cells"]})
@@ -156,6 +164,7 @@ def draw(result: dict[str, Any], path: Path) -> Path:
     shown = best[:6] + [name for name in best[6:] if ARMS[name].origin == "paper"][:8]
     figure = Figure(figsize=(6.0 * len(names) + 2.5, 5.0), layout="constrained")
     for axes, name in zip(np.ravel(figure.subplots(1, len(names))), names, strict=True):
+        axes.set_prop_cycle(color=colormaps["tab20"](range(20)))
         for feature in shown:
             line = [
                 c
@@ -166,6 +175,7 @@ def draw(result: dict[str, Any], path: Path) -> Path:
             d = [c["d_prime"] for c in line]
             axes.plot([c["sigma_mm"] for c in line], d, style, marker="o", label=feature)
         axes.set(xscale="log", xlabel="σ of the depth, mm", ylabel="d′", title=f"{name} heads")
+        axes.minorticks_off()
         axes.set_xticks(SIGMAS_MM, [f"{s:g}" for s in SIGMAS_MM])
         axes.grid(alpha=0.3)
     handles, labels = axes.get_legend_handles_labels()
@@ -227,14 +237,19 @@ def d_prime(D: Distances, owner: NDArray[np.intp]) -> float:
 def interval(
     D: Distances, owner: NDArray[np.intp], rng: np.random.Generator, *, draws: int = 200
 ) -> tuple[float, float]:
-    """95 % interval of d′ by drawing people with replacement; a double is not its own impostor."""
+    """95 % interval of d′ by drawing people with replacement; a double is not its own impostor.
+
+    A guide, not a test: people drawn twice make the spread a little too small, d′ too large.
+    """
     people, per_person = D.shape[1], len(owner) // D.shape[1]
     table = D.reshape(people, per_person, people)
     found = []
     for _ in range(draws):
-        drawn = rng.integers(0, people, people)
+        drawn = rng.choice(np.arange(people), people)
         sample = table[drawn][:, :, drawn]
         same = np.broadcast_to((drawn[:, None] == drawn)[:, None], sample.shape)
+        if same.all():
+            continue  # one person only: nobody to be told from
         within, between = sample[same], sample[~same]
         spread = np.sqrt(0.5 * (within.var() + between.var()))
         found.append((between.mean() - within.mean()) / max(spread, 1e-12))

@@ -1,0 +1,1 @@
+"""Speed and memory, each peer in the same run: `make bench`."""
