@@ -9,7 +9,12 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from rangeface.evaluation.experiments.denoise_by_recognition import CLASSIFIERS, FEATURES, LEVELS
+from rangeface.evaluation.experiments.denoise_by_recognition import (
+    CLASSIFIERS,
+    DENOISERS,
+    FEATURES,
+    LEVELS,
+)
 
 _SITES = ("crop", "scan", "tof")
 
@@ -90,7 +95,8 @@ def draw(result: Mapping[str, Any], path: Path, *, population: str) -> Path:
 
 def _ordered(result: Mapping[str, Any], population: str) -> list[Mapping[str, Any]]:
     cells = [c for c in result["cells"] if c["population"] == population]
-    return sorted(cells, key=lambda c: list(LEVELS).index(c["level"]))
+    levels, denoisers = list(LEVELS), list(DENOISERS)
+    return sorted(cells, key=lambda c: (levels.index(c["level"]), denoisers.index(c["denoiser"])))
 
 
 def _rates(cell: Mapping[str, Any]) -> dict[tuple[str, str, str], float]:
