@@ -54,6 +54,8 @@ def test_missing_and_unreadable(tmp_path):
         (CAMERA.replace("fx=5", ""), ScanFault.BAD_CAMERA, "fx"),
         (CAMERA.replace("width=4", "width=inf"), ScanFault.BAD_CAMERA, "width"),
         (CAMERA.replace("width=4", "width=6") + "depth_unit='mm'", ScanFault.WRONG_SIZE, "6 × 3"),
+        (CAMERA.replace("width=4", "width=" + "9" * 30), ScanFault.BAD_CAMERA, "width"),
+        (CAMERA.replace("fx=5", "fx=" + "9" * 400), ScanFault.BAD_CAMERA, "fx"),
         ("width = ", ScanFault.MALFORMED, "TOML"),
     ],
 )

@@ -99,6 +99,8 @@ def _camera(source: Source, keys: dict[str, Any]) -> Camera:
             raise source.error(ScanFault.BAD_CAMERA, f"key {name!r} is missing")
         if isinstance(keys[name], bool) or not isinstance(keys[name], int | float):
             raise source.error(ScanFault.BAD_CAMERA, f"{name} must be a number: {keys[name]!r}")
+        if abs(keys[name]) >= 1e15:  # TOML's whole numbers have no bound
+            raise source.error(ScanFault.BAD_CAMERA, f"{name} is out of bounds")
     for name in ("width", "height"):
         if not (np.isfinite(keys[name]) and keys[name] == int(keys[name])):
             raise source.error(ScanFault.BAD_CAMERA, f"{name} must be whole: {keys[name]!r}")
