@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from itertools import cycle
 
 import cv2
@@ -100,9 +101,14 @@ def _dual_tree(plane: np.ndarray) -> np.ndarray:
     bands = trees.analyse(plane, LEVELS, "near_sym_a", "qshift_a")
     for detail in bands.details:
         for band in detail:
-            shape = band.shape[0] // 2, band.shape[1] // 2
-            quads.soft(band, np.full(shape, T, dtype=np.float32))
+            quads.soft(band, _threshold(band.shape[0] // 2, band.shape[1] // 2))
     return trees.synthesise(bands)
+
+
+@lru_cache
+def _threshold(rows: int, cols: int) -> np.ndarray:
+    """One T for all, which the peers take as a scalar."""
+    return np.full((rows, cols), T, dtype=np.float32)
 
 
 def _dtcwt_library(planes: list[np.ndarray]) -> Arms:
@@ -130,7 +136,7 @@ def _wavelets(plane: np.ndarray) -> np.ndarray:
     bands = dwt.forward(plane, wavelet="db4", levels=LEVELS)
     for detail in bands.details:
         for band in detail:
-            dwt.soft(band, np.full(band.shape, T, dtype=np.float32))
+            dwt.soft(band, _threshold(*band.shape))
     return dwt.inverse(bands)
 
 
