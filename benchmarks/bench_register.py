@@ -73,7 +73,7 @@ def _icp_arms(images: list[RangeImage]) -> dict[str, Callable[[], object]]:
                 s[2],
                 gates_mm=GATES,
                 scales_mm=SCALES,
-            ),  # fmt: skip
+            ),
             starts,
         )
     }
@@ -138,7 +138,7 @@ def _small_gicp(model: icp.Model, starts: list) -> dict[str, Callable[[], object
                 registration_type="PLANE_ICP",
                 max_correspondence_distance=20.0,
                 num_threads=1,
-            ),  # fmt: skip
+            ),
             items,
         )
     }

@@ -36,6 +36,13 @@ Camera = Annotated[
     Path | None,
     typer.Option("--camera", help="Camera TOML, where the scan file brings no camera."),
 ]
+Unit = Annotated[
+    str | None, typer.Option("--unit", help="Unit of the file's lengths, where it states none.")
+]
+Front = Annotated[
+    str | None, typer.Option("--front", help="Axis of a mesh towards the viewer, such as +z.")
+]
+Up = Annotated[str | None, typer.Option("--up", help="Axis of a mesh towards the crown, as +y.")]
 Scans = Annotated[
     list[Path], typer.Argument(help="Scan files of one person; several are combined frames.")
 ]
@@ -57,11 +64,39 @@ def demo(
 
 
 @app.command()
-def info(file: Path, camera: Camera = None) -> None:
+def info(
+    file: Path, camera: Camera = None, unit: Unit = None, front: Front = None, up: Up = None
+) -> None:
     """Say what a scan file holds: format, size, range, noise, and whether there is a face."""
     from rangeface.app import scans
 
-    scans.info(file, camera)
+    scans.info(file, camera, unit=unit, front=front, up=up)
+
+
+@app.command()
+def convert(
+    source: Annotated[Path, typer.Argument(help="Scan of any known format.")],
+    target: Annotated[Path, typer.Argument(help="File to write: .npz, .png, .ply or .mcap.")],
+    camera: Camera = None,
+    unit: Unit = None,
+    front: Front = None,
+    up: Up = None,
+) -> None:
+    """Convert a scan; the ending of the target names the format."""
+    from rangeface.app import scans
+
+    scans.convert(source, target, camera, unit=unit, front=front, up=up)
+
+
+@app.command()
+def datasets(
+    name: Annotated[str | None, typer.Argument(help="One of the databases.")] = None,
+    path: Annotated[Path | None, typer.Argument(help="Your folder of it.")] = None,
+) -> None:
+    """List the databases that can be read; with a folder, say what is in it and what is missing."""
+    from rangeface.app import databases
+
+    databases.show(name, path)
 
 
 @app.command()
@@ -117,6 +152,28 @@ def evaluate_folder(
 
     evaluate.run("folder", datasets.folder(path), path, pipeline, grid=grid,
                  exclude=exclude or [], reference=reference, json_file=json_file)  # fmt: skip
+
+
+@evaluate_app.command("database")
+def evaluate_database(
+    name: Annotated[str, typer.Argument(help="One of those that `rangeface datasets` lists.")],
+    path: Annotated[Path, typer.Argument(help="Your folder of it.")],
+    protocol: Annotated[
+        str | None, typer.Option("--protocol", help="Default: the first that it has.")
+    ] = None,
+    pipeline: Pipeline = "default",
+    grid: Annotated[bool, typer.Option("--grid", help="Features × classifiers.")] = False,
+    exclude: Annotated[
+        list[str] | None, typer.Option("--exclude", help="Leave out a subject; repeatable.")
+    ] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write results here.")] = None,
+) -> None:
+    """Evaluate on any database that rangeface knows, by one of its published protocols."""
+    from rangeface.app import databases, evaluate
+
+    scans = databases.scans(name, path, protocol)
+    evaluate.run(name, scans, path, pipeline, grid=grid, exclude=exclude or [], reference=None,
+                 json_file=json_file)  # fmt: skip
 
 
 @evaluate_app.command("synthetic")
