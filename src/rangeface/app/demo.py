@@ -190,7 +190,7 @@ def _report(
     report.heading("The way of one face")
     for answer in answers[:2]:
         figure = trace_figure(answer.trace, recognizer.pipeline, f"{answer.subject}, {answer.kind}")
-        report.picture(png(figure), f"Every stage, from a {answer.kind}.")
+        report.picture(png(figure), f"Every stage: {answer.kind}.")
     report.heading("Who is enrolled")
     pictures = [shaded_rgb(t.frontal) for t in enrolments.values() if t.frontal is not None]
     report.picture(png(tile(pictures, list(enrolments), columns=8)), "The enrolled frontal faces.")

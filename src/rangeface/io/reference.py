@@ -6,8 +6,10 @@ import json
 from collections.abc import Mapping
 from functools import lru_cache
 from importlib.resources import as_file, files
+from io import BytesIO
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -66,12 +68,12 @@ def load_reference(path: Path) -> ReferenceFace:
     if not path.exists():
         raise ScanError(path, ScanFault.MISSING, "build it with `make reference`")
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with np.load(BytesIO(path.read_bytes()), allow_pickle=False) as file:
             header = json.loads(bytes(file["header"]))
             depth = _unpacked(file["depth"])
             sigma = _unpacked(file["sigma"]) if "sigma" in file else None
         return reference_from(header, depth, sigma)
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, BadZipFile) as error:
         raise ScanError(path, ScanFault.MALFORMED, f"no reference face ({error})") from error
 
 

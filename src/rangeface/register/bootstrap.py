@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from rangeface.errors import DegenerateError
-from rangeface.types import Float64, Mask, Orthographic, RangeImage, ReferenceFace
+from rangeface.numerics.resample import mirrored
+from rangeface.types import Float32, Mask, Orthographic, RangeImage, ReferenceFace
 
 #: Fewer faces than this do not make a mean.
 MIN_FACES = 10
@@ -46,10 +47,11 @@ def bootstrap(frontals: Sequence[RangeImage], base: ReferenceFace) -> ReferenceF
     camera = frontals[0].camera
     if any(image.camera != camera for image in frontals) or not isinstance(camera, Orthographic):
         raise DegenerateError("bootstrap: the frontal images are on different grids")
-    measured = np.stack([_measured(image) for image in frontals])
-    both = np.concatenate([measured, measured[:, :, ::-1]])
+    measured = [_measured(image) for image in frontals]
+    both = np.stack(measured + [mirrored(depth, camera.cx) for depth in measured])
     enough = np.isfinite(both).mean(axis=0) >= 0.6
-    usable = enough & _outline(base, camera)
+    outline = _outline(base, camera)
+    usable = enough & outline & (mirrored(outline.astype(np.float32), camera.cx) > 0)
     median = np.full(usable.shape, np.nan)
     median[usable] = np.nanmedian(both[:, usable], axis=0)
     spread = np.full_like(median, np.nan)
@@ -63,9 +65,8 @@ def bootstrap(frontals: Sequence[RangeImage], base: ReferenceFace) -> ReferenceF
     return ReferenceFace(image, base.landmarks, f"median of {len(frontals)} gallery faces")
 
 
-def _measured(image: RangeImage) -> Float64:
-    depth = image.depth.astype(np.float64)
-    return depth if image.filled is None else np.where(image.filled, np.nan, depth)
+def _measured(image: RangeImage) -> Float32:
+    return image.depth if image.filled is None else np.where(image.filled, np.nan, image.depth)
 
 
 def _outline(base: ReferenceFace, camera: Orthographic) -> Mask:
