@@ -112,6 +112,36 @@ def trace(
     scans.draw_trace(file, camera, pipeline, out or Path(f"{file.stem}-trace.png"))
 
 
+@app.command()
+def simulate(
+    out: Annotated[Path, typer.Argument(help="Folder to write.")],
+    people: Annotated[int, typer.Option("--people", min=1)] = 61,
+    sensor: Annotated[str, typer.Option("--sensor", help="Preset of a sensor.")] = "sr3000",
+    distance_mm: Annotated[float, typer.Option("--distance-mm", help="Face to camera.")] = 400.0,
+    seed: Annotated[int, typer.Option("--seed", help="Same seed, same scans.")] = 0,
+) -> None:
+    """Write simulated people in nine views each, as a folder for `evaluate folder`."""
+    from rangeface.app import simulation
+
+    simulation.collection(out, people=people, sensor=sensor, distance_mm=distance_mm, seed=seed)
+
+
+@app.command()
+def figures(
+    out: Annotated[Path, typer.Option("--out", help="Folder for the pictures.")] = Path(
+        "rangeface-figures"
+    ),
+    scan: Annotated[
+        Path | None, typer.Option("--scan", help="A scan for the feature figures.")
+    ] = None,
+    seed: Annotated[int, typer.Option("--seed", help="Number of the simulated person.")] = 11,
+) -> None:
+    """Redraw the source paper's figures from simulated data, or from your own scan."""
+    from rangeface.app import simulation
+
+    simulation.figures(out, scan=scan, seed=seed)
+
+
 @evaluate_app.command("rap3df")
 def evaluate_rap3df(
     path: Annotated[Path, typer.Argument(help="Folder rap3df_data, or the one that holds it.")],

@@ -10,8 +10,10 @@ from rich.progress import track
 
 T = TypeVar("T")
 
+#: Progress goes to standard error, so that standard output stays a result.
+err = Console(stderr=True)
+
 
 def over(items: Sequence[T], what: str) -> Iterable[T]:
     """Iterate with a progress bar and the time left, on a terminal's standard error."""
-    console = Console(stderr=True)
-    return track(items, what, console=console, transient=True, disable=not console.is_terminal)
+    return track(items, what, console=err, transient=True, disable=not err.is_terminal)
