@@ -69,34 +69,42 @@ class Fit(NamedTuple):
 ARM_MM = 60.0
 
 
-@njit(cache=True, nogil=True, fastmath=_FASTMATH)
-def _associate(px, py, pz, mx, my, mz, R, t, perspective, sx, sy, cx, cy, height, width):  # type: ignore[no-untyped-def]
-    """Pose a model point and its normal and find its pixel.
+#: What the projection of a model point meets.
+_HIDDEN, _MISSING, _PAIRED = 0, 1, 2
 
-    Returns the posed point, the posed normal, row and column; row −1: faces away from the
-    camera, row −2: visible, but outside the image.
+
+@njit(cache=True, nogil=True, fastmath=_FASTMATH, inline="always")
+def _pair(model, k, R, t, projection, image):  # type: ignore[no-untyped-def]
+    """Pose model point k, find its pixel, and measure the offset to the image's point there.
+
+    Returns a status, the posed point, the posed normal, the offset, row and column. A point that
+    faces away is hidden; one that meets a hole or the image's border is missing.
     """
+    points, normals, _ = model
+    perspective, sx, sy, cx, cy = projection
+    px, py, pz = points[k, 0], points[k, 1], points[k, 2]
+    mx, my, mz = normals[k, 0], normals[k, 1], normals[k, 2]
     x = R[0, 0] * px + R[0, 1] * py + R[0, 2] * pz + t[0]
     y = R[1, 0] * px + R[1, 1] * py + R[1, 2] * pz + t[1]
     z = R[2, 0] * px + R[2, 1] * py + R[2, 2] * pz + t[2]
     nx = R[0, 0] * mx + R[0, 1] * my + R[0, 2] * mz
     ny = R[1, 0] * mx + R[1, 1] * my + R[1, 2] * mz
     nz = R[2, 0] * mx + R[2, 1] * my + R[2, 2] * mz
+    none = np.float32(0.0)
+    facing, scale = -nz, np.float32(1.0)
     if perspective:
-        if z <= 1.0:
-            return x, y, z, nx, ny, nz, -1, 0
+        scale = np.float32(1.0) / max(z, np.float32(1.0))
         facing = -(x * nx + y * ny + z * nz) / math.sqrt(x * x + y * y + z * z)
-        scale = np.float32(1.0) / z
-    else:
-        facing = -nz
-        scale = np.float32(1.0)
-    if facing < _GRAZING:
-        return x, y, z, nx, ny, nz, -1, 0
+    if facing < _GRAZING or (perspective and z <= 1.0):
+        return _HIDDEN, x, y, z, nx, ny, nz, none, none, none, 0, 0
     u = sx * x * scale + cx + np.float32(0.5)
     v = sy * y * scale + cy + np.float32(0.5)
-    if not (u >= 0.0 and v >= 0.0 and u < width and v < height):
-        return x, y, z, nx, ny, nz, -2, 0
-    return x, y, z, nx, ny, nz, int(v), int(u)
+    if not (u >= 0.0 and v >= 0.0 and u < image.shape[1] and v < image.shape[0]):
+        return _MISSING, x, y, z, nx, ny, nz, none, none, none, 0, 0
+    row, col = int(v), int(u)
+    dx, dy, dz = image[row, col, 0] - x, image[row, col, 1] - y, image[row, col, 2] - z
+    status = _PAIRED if dz == dz else _MISSING  # NaN: the pixel is invalid
+    return status, x, y, z, nx, ny, nz, dx, dy, dz, row, col
 
 
 @njit(cache=True, nogil=True, fastmath=_FASTMATH)
@@ -104,30 +112,19 @@ def _accumulate(  # type: ignore[no-untyped-def]
     model, R, t, projection, image, image_weights, gate, scale, A, b
 ):
     """Fill the 6 × 6 normal equations; return Σw, Σw r², visible and explained weight, inliers."""
-    points, normals, weights = model
-    perspective, sx, sy, cx, cy = projection
-    height, width = image.shape[0], image.shape[1]
+    weights = model[2]
     A[:] = 0.0
     b[:] = 0.0
     J = np.empty(6, np.float64)
     sum_w = sum_wr2 = visible = explained = 0.0
     inliers = 0
     s2 = scale * scale
-    for k in range(points.shape[0]):
-        x, y, z, nx, ny, nz, row, col = _associate(
-            points[k, 0], points[k, 1], points[k, 2],
-            normals[k, 0], normals[k, 1], normals[k, 2],
-            R, t, perspective, sx, sy, cx, cy, height, width,
-        )  # fmt: skip
-        if row == -1:
+    for k in range(weights.shape[0]):
+        status, x, y, z, nx, ny, nz, dx, dy, dz, row, col = _pair(model, k, R, t, projection, image)
+        if status == _HIDDEN:
             continue
         visible += weights[k]
-        if row == -2:
-            continue
-        dx = image[row, col, 0] - x
-        dy = image[row, col, 1] - y
-        dz = image[row, col, 2] - z
-        if not dx * dx + dy * dy + dz * dz < gate * gate:  # NaN: the pixel is invalid
+        if status == _MISSING or dx * dx + dy * dy + dz * dz > gate * gate:
             continue
         r = nx * dx + ny * dy + nz * dz
         robust = s2 / (s2 + r * r)
@@ -307,28 +304,19 @@ def align_many(
 
 @njit(cache=True, nogil=True, fastmath=_FASTMATH)
 def _scores(model, rotations, translations, projection, image, tolerance):  # type: ignore[no-untyped-def]
-    points, normals, weights = model
-    perspective, sx, sy, cx, cy = projection
-    height, width = image.shape[0], image.shape[1]
+    weights = model[2]
     out = np.empty(rotations.shape[0], np.float32)
     total = weights.sum()
     for h in range(rotations.shape[0]):
         R, t = rotations[h], translations[h]
         visible = explained = np.float32(0.0)
-        for k in range(points.shape[0]):
-            x, y, z, nx, ny, nz, row, col = _associate(
-                points[k, 0], points[k, 1], points[k, 2],
-                normals[k, 0], normals[k, 1], normals[k, 2],
-                R, t, perspective, sx, sy, cx, cy, height, width,
-            )  # fmt: skip
-            if row == -1:
+        for k in range(weights.shape[0]):
+            status, _, _, _, nx, ny, nz, dx, dy, dz, _, _ = _pair(model, k, R, t, projection, image)
+            if status == _HIDDEN:
                 continue
             visible += weights[k]
-            if row == -2:
+            if status == _MISSING:
                 continue
-            dx = image[row, col, 0] - x
-            dy = image[row, col, 1] - y
-            dz = image[row, col, 2] - z
             r = (nx * dx + ny * dy + nz * dz) / tolerance
             along = (dx * dx + dy * dy + dz * dz) / (16.0 * tolerance * tolerance)
             if r * r < 1.0 and along < 1.0:
@@ -375,22 +363,11 @@ def scores(
 
 @njit(cache=True, nogil=True, fastmath=_FASTMATH)
 def _correspondences(model, R, t, projection, image, gate):  # type: ignore[no-untyped-def]
-    points, normals, _ = model
-    perspective, sx, sy, cx, cy = projection
-    height, width = image.shape[0], image.shape[1]
+    points = model[0]
     out = np.full(points.shape, np.nan, np.float32)
     for k in range(points.shape[0]):
-        x, y, z, _, _, _, row, col = _associate(
-            points[k, 0], points[k, 1], points[k, 2],
-            normals[k, 0], normals[k, 1], normals[k, 2],
-            R, t, perspective, sx, sy, cx, cy, height, width,
-        )  # fmt: skip
-        if row < 0:
-            continue
-        dx = image[row, col, 0] - x
-        dy = image[row, col, 1] - y
-        dz = image[row, col, 2] - z
-        if dx * dx + dy * dy + dz * dz < gate * gate:
+        status, _, _, _, _, _, _, dx, dy, dz, _, _ = _pair(model, k, R, t, projection, image)
+        if status == _PAIRED and dx * dx + dy * dy + dz * dz < gate * gate:
             for i in range(3):
                 out[k, i] = points[k, i] + R[0, i] * dx + R[1, i] * dy + R[2, i] * dz
     return out

@@ -1,32 +1,24 @@
-"""Steps, heads and the pipeline: the way of a face as one frozen value."""
+"""The way of a face as one frozen value."""
 
 from __future__ import annotations
 
-import hashlib
-import inspect
-import time
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, field, fields, is_dataclass, replace
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rangeface.classify import fitted_state
 from rangeface.decide import per_subject
 from rangeface.errors import DegenerateError, NoFaceError, ParameterError
 from rangeface.io.reference import default_reference
 from rangeface.numerics.se3 import rotation_matrix
 from rangeface.register.bootstrap import MIN_FACES, bootstrap
 from rangeface.types import (
-    Alignment,
     Assessment,
     Decision,
-    Face,
-    Faces,
     Float32,
     RangeImage,
-    Reason,
     ReferenceFace,
     RigidTransform,
     Template,
@@ -35,150 +27,13 @@ from rangeface.types import (
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from rangeface.classify import Matcher
     from rangeface.gallery import View
 
 
-@dataclass(frozen=True)
-class Step:
-    """A method with its parameters bound: comparable, hashable, picklable.
-
-    Build one with `step`, which checks the parameters.
-
-    Parameters
-    ----------
-    method : callable
-        A public function of a stage.
-    params : tuple of (str, value)
-        Keyword parameters, sorted by name.
-    """
-
-    method: Callable[..., Any]
-    params: tuple[tuple[str, Any], ...] = ()
-
-    def __call__(self, *args: Any, **late: Any) -> Any:
-        """Call the method; `late` are parameters known only at run time."""
-        return self.method(*args, **dict(self.params), **late)
-
-    @property
-    def name(self) -> str:
-        """Name of the method."""
-        return self.method.__name__
-
-    def all_params(self) -> dict[str, Any]:
-        """Every keyword parameter with its value, defaults and the default reference included."""
-        bound = dict(self.params)
-        for name, parameter in inspect.signature(self.method).parameters.items():
-            if parameter.kind is inspect.Parameter.KEYWORD_ONLY:
-                bound.setdefault(name, parameter.default)
-        if "reference" in bound and bound["reference"] is None:
-            bound["reference"] = default_reference()
-        return bound
-
-    def with_params(self, **params: Any) -> Step:
-        """The same method with some parameters changed."""
-        return step(self.method, **{**dict(self.params), **params})
-
-    def __repr__(self) -> str:
-        inner = ", ".join(f"{k}={v!r}" for k, v in self.params)
-        return f"{self.name}({inner})"
-
-
-def step(method: Callable[..., Any], /, **params: Any) -> Step:
-    """Bind keyword parameters to a method; a wrong one fails here, on its own line.
-
-    Parameters
-    ----------
-    method : callable
-        A public function of a stage: ``f(image, *, …)``.
-    **params
-        Keyword parameters of it.
-
-    Returns
-    -------
-    Step
-
-    Raises
-    ------
-    ParameterError
-        The method has no such keyword parameter; the message lists those it has.
-
-    Examples
-    --------
-    >>> from rangeface import denoise
-    >>> step(denoise.median, size_px=5)
-    median(size_px=5)
-    """
-    known = {
-        name
-        for name, parameter in inspect.signature(method).parameters.items()
-        if parameter.kind is inspect.Parameter.KEYWORD_ONLY
-    }
-    for name in params:
-        if name not in known:
-            takes = ", ".join(sorted(known))
-            raise ParameterError(f"{method.__name__}: unknown parameter {name!r}; it takes {takes}")
-    return Step(method, tuple(sorted((k, _hashable(v)) for k, v in params.items())))
-
-
-def _hashable(value: Any) -> Any:
-    return tuple(_hashable(v) for v in value) if isinstance(value, list | tuple) else value
-
-
-@dataclass(frozen=True, eq=False)
-class Head:
-    """A feature and the classifier that learns from it.
-
-    Parameters
-    ----------
-    describe : Step
-        Frontal image → array.
-    classify : Matcher
-        Estimator of `rangeface.classify`, fitted or not.
-    """
-
-    describe: Step
-    classify: Matcher
-
-    def features(self, views: Sequence[RangeImage]) -> Float32:
-        """One row (n, D) for every frontal image."""
-        return np.stack([np.ravel(self.describe(view)) for view in views]).astype(np.float32)
-
-
-@dataclass(frozen=True, eq=False)
-class Trace:
-    """Every intermediate of one image's way, and what each stage took.
-
-    Parameters
-    ----------
-    image : RangeImage
-        The (combined) image.
-    denoised : RangeImage
-        After denoising.
-    faces : Faces
-        All faces found, most confident first.
-    face : Face, optional
-        The one that is followed.
-    alignment, frontal, assessment
-        Of that face; None where the way ended before.
-    features : tuple of arrays
-        One a head.
-    reason : Reason, optional
-        Why the way ended.
-    times_ms : mapping of str to float
-        Stage → milliseconds.
-    """
-
-    image: RangeImage
-    denoised: RangeImage
-    faces: Faces
-    face: Face | None = None
-    alignment: Alignment | None = None
-    frontal: RangeImage | None = None
-    assessment: Assessment | None = None
-    features: tuple[Float32, ...] = ()
-    reason: Reason | None = None
-    times_ms: dict[str, float] = field(default_factory=dict)
+from rangeface.pipeline._fingerprint import fingerprint
+from rangeface.pipeline._head import Head
+from rangeface.pipeline._step import Step
+from rangeface.pipeline._trace import Trace, timed
 
 
 @dataclass(frozen=True, eq=False)
@@ -271,11 +126,11 @@ class FacePipeline:
     def _traces(self, image: RangeImage | Sequence[RangeImage]) -> Iterator[Trace]:
         times: dict[str, float] = {}
         if not isinstance(image, RangeImage):
-            with _timed(times, "combine"):
+            with timed(times, "combine"):
                 image = self.combine(image)
-        with _timed(times, "denoise"):
+        with timed(times, "denoise"):
             denoised = self.denoise(image)
-        with _timed(times, "segment"):
+        with timed(times, "segment"):
             faces = self.segment(denoised)
         assert isinstance(image, RangeImage)
         start = Trace(image, denoised, faces, reason=faces.reason, times_ms=times)
@@ -287,16 +142,16 @@ class FacePipeline:
     def _follow(self, trace: Trace) -> Trace:
         """From a face to its features."""
         face, times = trace.face, trace.times_ms
-        with _timed(times, "register"):
+        with timed(times, "register"):
             alignment = self.register(face)
         trace = replace(trace, alignment=alignment, reason=alignment.reason)
         if not alignment.converged:
             return trace
-        with _timed(times, "frontal"):
+        with timed(times, "frontal"):
             frontal = self.frontal(face, alignment)
-        with _timed(times, "assess"):
+        with timed(times, "assess"):
             assessment = self.assess(face, alignment, frontal)
-        with _timed(times, "describe"):
+        with timed(times, "describe"):
             features = tuple(head.features([frontal])[0] for head in self.heads)
         return replace(trace, frontal=frontal, assessment=assessment, features=features)
 
@@ -508,10 +363,10 @@ class FacePipeline:
             A template was made by another pipeline.
         """
         count = len(references.subjects)
-        for fingerprint in (probe.fingerprint, references.fingerprint if count else None):
-            if fingerprint not in (None, self.fingerprint):
+        for made_by in (probe.fingerprint, references.fingerprint if count else None):
+            if made_by not in (None, self.fingerprint):
                 raise ParameterError(
-                    f"template of pipeline {fingerprint[:12]} does not compare with "
+                    f"template of pipeline {made_by[:12]} does not compare with "
                     f"{self.fingerprint[:12]}: enrol again, or use the model that made it"
                 )
         if count == 0:
@@ -524,59 +379,11 @@ class FacePipeline:
         ]
         return np.asarray(self.fuse(np.stack(per_head)), dtype=np.float32)
 
-    @property
+    @cached_property
     def fingerprint(self) -> str:
         """SHA-256 over steps, parameters, revisions and learned arrays: 64 hex digits.
 
         Two pipelines with the same fingerprint make templates that compare. A library's
         version is not part of it.
         """
-        cached = self.__dict__.get("_fingerprint")
-        if cached is None:
-            digest = hashlib.sha256()
-            for part in _parts(self):
-                digest.update(part)
-            cached = digest.hexdigest()
-            object.__setattr__(self, "_fingerprint", cached)
-        return str(cached)
-
-
-@contextmanager
-def _timed(times_ms: dict[str, float], stage: str) -> Iterator[None]:
-    start = time.perf_counter()
-    yield
-    times_ms[stage] = 1e3 * (time.perf_counter() - start)
-
-
-def _parts(value: Any) -> Iterator[bytes]:
-    """The bytes that a value's identity depends on, prefix-free."""
-    if isinstance(value, Step):
-        number = getattr(value.method, "revision", 1)
-        yield f"step {value.method.__module__}.{value.name} r{number};".encode()
-        yield from _parts(value.all_params())
-    elif isinstance(value, Head):
-        estimator = value.classify
-        yield from _parts(value.describe)
-        yield f"head {type(estimator).__name__} r{getattr(estimator, 'revision', 1)};".encode()
-        yield from _parts(estimator.get_params())
-        yield from _parts(fitted_state(estimator))
-    elif isinstance(value, np.ndarray):
-        yield f"array {value.dtype.str} {value.shape};".encode()
-        yield np.ascontiguousarray(value).tobytes()
-    elif is_dataclass(value) and not isinstance(value, type):
-        yield f"{type(value).__name__}(".encode()
-        for f in fields(value):
-            yield f"{f.name}=".encode()
-            yield from _parts(getattr(value, f.name))
-        yield b")"
-    elif hasattr(value, "items"):
-        yield f"map {len(value)};".encode()
-        for key in sorted(value):
-            yield f"{key}:".encode()
-            yield from _parts(value[key])
-    elif isinstance(value, list | tuple):
-        yield f"list {len(value)};".encode()
-        for item in value:
-            yield from _parts(item)
-    else:
-        yield f"{type(value).__name__} {value!r};".encode()
+        return fingerprint(self)
