@@ -35,6 +35,7 @@ bench: $(READY)
 
 reference: $(READY)
 	$(BIN)/python -m rangeface.app.reference
+	$(BIN)/rangeface train src/rangeface/data/default.model
 
 fuzz: $(READY)
 	$(BIN)/python tests/fuzz.py --cases $(or $(CASES),20000)
