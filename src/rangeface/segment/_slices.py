@@ -13,6 +13,7 @@ from rangeface.errors import ParameterError
 from rangeface.io.reference import default_reference
 from rangeface.numerics import icp
 from rangeface.numerics.pose_search import pool, protrusions, rotation_grid
+from rangeface.numerics.se3 import head_angles
 from rangeface.types import (
     Face,
     Faces,
@@ -29,6 +30,10 @@ from rangeface.types import (
 _MIN_AREA_MM2 = 4000.0
 #: Pixels are pooled to about this width before the search: noise falls, a nose stays.
 _SEARCH_PIXEL_MM = 4.0
+_PITCHES_DEG = (-40.0, -20.0, 0.0, 20.0, 40.0)
+_ROLLS_DEG = (-25.0, 0.0, 25.0)
+#: A refined pose may leave the searched range by this much.
+_STRAY_DEG = 15.0
 _GATES = np.array([30, 25, 20, 20, 15, 15, 12, 12, 10, 10], np.float32)
 _SCALES = np.array([12, 10, 8, 8, 6, 6, 5, 5, 4, 4], np.float32)
 
@@ -134,8 +139,8 @@ def _valleys(depths: Float32, min_gap_mm: float) -> list[tuple[float, float]]:
 def _grid(max_yaw_deg: float) -> Float64:
     return rotation_grid(
         np.linspace(-max_yaw_deg, max_yaw_deg, 2 * int(np.ceil(max_yaw_deg / 20.0)) + 1),
-        (-40.0, -20.0, 0.0, 20.0, 40.0),
-        (-25.0, 0.0, 25.0),
+        _PITCHES_DEG,
+        _ROLLS_DEG,
     )
 
 
@@ -168,9 +173,21 @@ def _search(image: RangeImage, reference: ReferenceFace, max_yaw_deg: float) -> 
     fits = icp.scores(close, R, t, projection, points, tolerance_mm=8.0)
     hypotheses = []
     for score, R_k, t_k in zip(fits, R, t, strict=True):
+        if not _plausible(R_k, max_yaw_deg):
+            continue
         relief = icp.relief_correlation(close, R_k, t_k, projection, points)
         hypotheses.append(_Hypothesis(float(score) * max(relief, 0.0), R_k, t_k))
     return _distinct(sorted(hypotheses, key=lambda h: -h.score), 60.0)
+
+
+def _plausible(rotation: Float64, max_yaw_deg: float) -> bool:
+    """Whether ICP stayed near the poses that were searched; a head does not lie on its side."""
+    yaw, pitch, roll = np.rad2deg(head_angles(rotation))
+    return bool(
+        abs(yaw) <= max_yaw_deg + _STRAY_DEG
+        and abs(pitch) <= max(_PITCHES_DEG) + _STRAY_DEG
+        and abs(roll) <= max(_ROLLS_DEG) + _STRAY_DEG
+    )
 
 
 def _candidates(points: Float32, rotations: Float64, radius_px: int) -> Float64:
