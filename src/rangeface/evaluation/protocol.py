@@ -140,7 +140,7 @@ def acquire(pipeline: FacePipeline, scans: Iterable[Scan]) -> list[Capture]:
             trace = pipeline.trace(scan.load())
             captures.append(Capture(scan, trace, trace.reason.value if trace.reason else ""))
         except ScanError as error:
-            captures.append(Capture(scan, None, str(error)))
+            captures.append(Capture(scan, None, f"{error.fault}: {error.detail}"))
     return captures
 
 

@@ -147,7 +147,7 @@ def _grid(max_yaw_deg: float) -> Float64:
 def _search(image: RangeImage, reference: ReferenceFace, max_yaw_deg: float) -> list[_Hypothesis]:
     """Poses of faces in one region, best first: all candidates roughly, the best ones closely."""
     pixel_mm = image.camera.pixel_mm(float(np.nanmedian(image.depth)))
-    factor = max(int(_SEARCH_PIXEL_MM / pixel_mm), 1)
+    factor = max(round(_SEARCH_PIXEL_MM / pixel_mm), 1)
     points = pool(image.points, factor)
     projection = image.camera.projection.pooled(factor)
     weights = np.ones(points.shape[:2], np.float32)
