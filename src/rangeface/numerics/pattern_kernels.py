@@ -167,6 +167,16 @@ def _digits(d, per_unit, k):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
+def _frame_for(height, width):  # type: ignore[no-untyped-def]
+    """Room for an image in a frame of NaN, one pixel wide."""
+    framed = np.empty((height + 2, width + 2), np.float32)
+    framed[0] = framed[-1] = np.nan
+    for v in range(1, height + 1):
+        framed[v, 0] = framed[v, -1] = np.nan
+    return framed
+
+
+@njit(cache=True, nogil=True)
 def _signs_of_eight(flat, stride, codes):  # type: ignore[no-untyped-def]
     """Codes of a framed image; 32 bits wide like the differences, which keeps the loop fast."""
     above, here, below = flat, flat[stride:], flat[2 * stride :]
@@ -203,8 +213,7 @@ def _look_up(codes, stride, table, labels):  # type: ignore[no-untyped-def]
 def lbp_eight(images, table, labels):  # type: ignore[no-untyped-def]
     """Labels of the 8-neighbour code, R = 1, by table."""
     n, height, width = images.shape
-    stride = width + 2
-    framed = np.full((height + 2, stride), np.float32(np.nan))
+    framed, stride = _frame_for(height, width), width + 2
     codes = np.empty((height - 1) * stride + width, np.uint32)
     for i in range(n):
         _place(images[i], 1, framed)
@@ -216,8 +225,7 @@ def lbp_eight(images, table, labels):  # type: ignore[no-untyped-def]
 def tdlbp_eight(images, per_unit, table, labels, layers):  # type: ignore[no-untyped-def]
     """The four layers of the 8-neighbour codes, R = 1; of the first also the labels, if asked."""
     n, height, width = images.shape
-    stride = width + 2
-    framed = np.full((height + 2, stride), np.float32(np.nan))
+    framed, stride = _frame_for(height, width), width + 2
     codes = np.empty((height - 1) * stride + width, np.uint32)
     for i in range(n):
         _place(images[i], 1, framed)
