@@ -29,7 +29,7 @@ def stages() -> Iterator[tuple[str, str, Arms]]:
         "LBP + 3DLBP 1–4",
         "80×50",
         {
-            "ours": lambda: (patterns.lbp(relief), patterns.tdlbp(relief, unit=0.55)),
+            "ours": lambda: patterns.lbp_and_tdlbp(relief, unit=0.55),
             "numpy": lambda: _numpy_patterns(relief, 0.55),
         },
     )

@@ -15,6 +15,9 @@ from rangeface.types import Float32, RangeImage
 PLACES = ("nose", "root", "forehead")
 """Where the paper cuts: through the nose tip, the root of the nose, the forehead."""
 
+CENTRAL_MM = np.linspace(-70.0, 70.0, 71)
+"""Heights at which the central line is read for the root of the nose, mm."""
+
 
 def horizontal_profile(
     image: RangeImage,
@@ -116,10 +119,9 @@ def horizontal_curves(
 ) -> Float32:
     """Horizontal profiles (n, points) at heights y, mm, gaps marked by NaN."""
     camera = camera_of(image)
-    rows = camera.cy + np.asarray(heights_mm) / camera.pitch_mm
     return profiles.lines(
         image.depth,
-        np.stack([np.full_like(rows, camera.cx), rows], axis=-1),
+        [(camera.cx, camera.cy + y / camera.pitch_mm) for y in heights_mm],
         0.0,
         pitch=camera.pitch_mm,
         reach=reach_mm,
@@ -140,5 +142,5 @@ def profile_height(image: RangeImage, at: str, *, forehead_mm: float = 28.0) -> 
 
 def root_height(image: RangeImage) -> float:
     """Height y, mm, of the root of the nose on the central line."""
-    central = vertical_curve(image, arc_length=False)
-    return profiles.nose_root(central, np.linspace(-70.0, 70.0, central.size))
+    central = vertical_curve(image, reach_mm=70.0, points=CENTRAL_MM.size, arc_length=False)
+    return profiles.nose_root(central, CENTRAL_MM)

@@ -76,13 +76,15 @@ def from_points(points, normals):  # type: ignore[no-untyped-def]
 
 
 @_kernel
-def from_pinhole(depth, a, b, normals):  # type: ignore[no-untyped-def]
-    """Normals of depth (n, H, W); a, b: rays of columns and rows, with one more at either end."""
+def from_pinhole(depth, fx, fy, cx, cy, normals):  # type: ignore[no-untyped-def]
+    """Normals of depth (n, H, W), seen through focal lengths and principal point, px."""
     n, height, width = depth.shape
+    zero, per_column, per_row = np.float32(0.0), np.float32(1.0 / fx), np.float32(1.0 / fy)
     above, here, below = np.empty((3, width + 2), np.float32)
-    a_west, a_centre, a_east = a, a[1:], a[2:]
-    planes = np.empty((3, width), np.float32)
+    a, planes = np.empty(width, np.float32), np.empty((3, width), np.float32)
     NX, NY, NZ = planes
+    for u in range(width):
+        a[u] = (u - cx) / fx
     for i in range(n):
         above[:] = np.nan
         _pad(depth[i, 0], here)
@@ -90,16 +92,16 @@ def from_pinhole(depth, a, b, normals):  # type: ignore[no-untyped-def]
             _next_row(depth[i], v + 1, below)
             # the row and its neighbours, as views that one index walks
             west, centre, east, north, south = here, here[1:], here[2:], above[1:], below[1:]
-            b0, b_up, b_down = b[v + 1], b[v], b[v + 2]
+            b = np.float32((v - cy) / fy)
             for u in range(width):
-                z, a0 = centre[u], a_centre[u]
+                z = centre[u]
+                # with r = (a, b, 1): ∂p/∂u = D r + (X, 0, 0), ∂p/∂v = E r + (0, Y, 0);
                 # a missing neighbour is replaced by the pixel itself, on its own ray
-                x_west, x_east = _or(west[u] * a_west[u], z * a0), _or(east[u] * a_east[u], z * a0)
-                y_north, y_south = _or(north[u] * b_up, z * b0), _or(south[u] * b_down, z * b0)
-                # ∂p/∂u = (X, b D, D), ∂p/∂v = (a E, Y, E)
-                X, D = x_east - x_west, _or(east[u], z) - _or(west[u], z)
-                Y, E = y_south - y_north, _or(south[u], z) - _or(north[u], z)
-                nx, ny, nz = D * (Y - b0 * E), E * (X - a0 * D), a0 * b0 * D * E - X * Y
+                X = per_column * (_or(west[u], zero) + _or(east[u], zero))
+                Y = per_row * (_or(north[u], zero) + _or(south[u], zero))
+                D, E = _or(east[u], z) - _or(west[u], z), _or(south[u], z) - _or(north[u], z)
+                nx, ny = D * Y, E * X
+                nz = -(a[u] * nx + b * ny + X * Y)
                 scale = _scale(z, nx, ny, nz)
                 NX[u], NY[u], NZ[u] = nx * scale, ny * scale, nz * scale
             _interleave(planes, normals[i, v])

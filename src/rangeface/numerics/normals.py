@@ -102,12 +102,8 @@ def from_depth_pinhole(depth: ArrayLike, fx: float, fy: float, cx: float, cy: fl
     array([ 0.,  0., -1.], dtype=float32)
     """
     batch, leading = as_batch(depth)
-    height, width = batch.shape[1:]
-    # rays of the columns and rows, with one more at either end
-    a = ((np.arange(-1, width + 1) - cx) / fx).astype(np.float32)
-    b = ((np.arange(-1, height + 1) - cy) / fy).astype(np.float32)
     normals = np.empty((*batch.shape, 3), np.float32)
-    kernels.from_pinhole(batch, a, b, normals)
+    kernels.from_pinhole(batch, float(fx), float(fy), float(cx), float(cy), normals)
     return normals.reshape(*leading, *normals.shape[1:])
 
 

@@ -121,14 +121,14 @@ def tdlbp(images, offsets, weights, per_unit, layers):  # type: ignore[no-untype
     framed = np.full((height + 2 * margin, width + 2 * margin), np.float32(np.nan))
     stride = framed.shape[1]
     d = np.empty((height - 1) * stride + width, np.float32)
-    codes = np.empty(d.size, np.int32)  # four bytes: the codes of the four layers
+    codes = np.empty(d.size, np.uint32)  # four bytes: the codes of the four layers
     for i in range(n):
         _place(images[i], margin, framed)
         codes[:] = 0
         for k in range(8):
             _difference(framed, margin, offsets[k], weights[k], d)
             for x in range(d.size):
-                codes[x] |= np.int32(_digits(d[x], per_unit) << k)
+                codes[x] |= _digits(d[x], per_unit, 0) << np.uint32(k)
         _unpack(codes, stride, layers[i])
 
 
@@ -139,73 +139,106 @@ def tdlbp(images, offsets, weights, per_unit, layers):  # type: ignore[no-untype
 def _eight(above, here, below, x):  # type: ignore[no-untyped-def]
     """Differences to the neighbours 0 … 7 of pixel x + 1 of the row `here`.
 
-    Summed row by row, so that rows which cancel do so exactly: a tie stays a tie.
+    The two sides of a corner are summed first, so that sides which cancel do so exactly: a tie
+    stays a tie.
     """
     c = here[x + 1]
     e, w, n, s = here[x + 2] - c, here[x] - c, above[x + 1] - c, below[x + 1] - c
-    se = SIDE * e + (SIDE * s + CORNER * (below[x + 2] - c))
-    sw = SIDE * w + (CORNER * (below[x] - c) + SIDE * s)
-    nw = (CORNER * (above[x] - c) + SIDE * n) + SIDE * w
-    ne = (SIDE * n + CORNER * (above[x + 2] - c)) + SIDE * e
+    se, sw = SIDE * (e + s) + CORNER * (below[x + 2] - c), SIDE * (w + s) + CORNER * (below[x] - c)
+    nw, ne = SIDE * (w + n) + CORNER * (above[x] - c), SIDE * (e + n) + CORNER * (above[x + 2] - c)
     return e, se, s, sw, w, nw, n, ne
 
 
 @njit(cache=True, nogil=True, inline="always")
 def _sign(d, bit):  # type: ignore[no-untyped-def]
     """The bit, unless d < 0; NaN is not: missing is level."""
-    return np.int32(0) if d < 0 else np.int32(bit)
+    return np.uint32(0) if d < 0 else np.uint32(bit)
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _digits(d, per_unit):  # type: ignore[no-untyped-def]
-    """Sign and the three digits of the size, each in a byte of its own."""
-    units = abs(d) * per_unit + np.float32(0.5)
-    units = units if units < np.float32(7.0) else np.float32(7.0)
-    size = np.int32(units if d == d else np.float32(0.0))
-    # three shifted copies at once; of each, one bit is kept
-    return _sign(d, 1) | (size * np.int32(0x01008040)) & np.int32(0x01010100)
+def _digits(d, per_unit, k):  # type: ignore[no-untyped-def]
+    """Sign and the three digits of the size, each bit k of a byte of its own."""
+    units = abs(d) * per_unit
+    units = units if units < np.float32(6.5) else np.float32(6.5)
+    # three shifted copies at once; of each, one bit is kept, and of a missing difference none
+    copies = np.uint32(np.int32(units + np.float32(0.5))) * np.uint32(0x01008040 << k)
+    kept = np.uint32(0x01010100 << k) if d == d else np.uint32(0)
+    return copies & kept | _sign(d, 1 << k)
+
+
+@njit(cache=True, nogil=True)
+def _frame_for(height, width):  # type: ignore[no-untyped-def]
+    """Room for an image in a frame of NaN, one pixel wide."""
+    framed = np.empty((height + 2, width + 2), np.float32)
+    framed[0] = framed[-1] = np.nan
+    for v in range(1, height + 1):
+        framed[v, 0] = framed[v, -1] = np.nan
+    return framed
+
+
+@njit(cache=True, nogil=True)
+def _signs_of_eight(flat, stride, codes):  # type: ignore[no-untyped-def]
+    """Codes of a framed image; 32 bits wide like the differences, which keeps the loop fast."""
+    above, here, below = flat, flat[stride:], flat[2 * stride :]
+    for x in range(codes.size):
+        e, se, s, sw, w, nw, n, ne = _eight(above, here, below, x)
+        half = _sign(e, 1) | _sign(se, 2) | _sign(s, 4) | _sign(sw, 8)
+        codes[x] = half | _sign(w, 16) | _sign(nw, 32) | _sign(n, 64) | _sign(ne, 128)
+
+
+@njit(cache=True, nogil=True)
+def _digits_of_eight(flat, stride, per_unit, codes):  # type: ignore[no-untyped-def]
+    """Codes of the four layers of a framed image, each in a byte."""
+    above, here, below = flat, flat[stride:], flat[2 * stride :]
+    for x in range(codes.size):
+        e, se, s, sw, w, nw, n, ne = _eight(above, here, below, x)
+        first = _digits(e, per_unit, 0) | _digits(se, per_unit, 1)
+        second = _digits(s, per_unit, 2) | _digits(sw, per_unit, 3)
+        third = _digits(w, per_unit, 4) | _digits(nw, per_unit, 5)
+        fourth = _digits(n, per_unit, 6) | _digits(ne, per_unit, 7)
+        codes[x] = first | second | third | fourth
+
+
+@njit(cache=True, nogil=True)
+def _look_up(codes, stride, table, labels):  # type: ignore[no-untyped-def]
+    """Labels of the codes in the lowest byte."""
+    height, width = labels.shape
+    for v in range(height):
+        row, target = codes[v * stride : v * stride + width], labels[v]
+        for u in range(width):
+            target[u] = table[row[u] & np.uint32(255)]
 
 
 @njit(cache=True, nogil=True)
 def lbp_eight(images, table, labels):  # type: ignore[no-untyped-def]
     """Labels of the 8-neighbour code, R = 1, by table."""
     n, height, width = images.shape
-    stride = width + 2
-    framed = np.full((height + 2, stride), np.float32(np.nan))
-    codes = np.empty((height - 1) * stride + width, np.uint8)
-    flat = framed.ravel()
-    above, here, below = flat, flat[stride:], flat[2 * stride :]
+    framed, stride = _frame_for(height, width), width + 2
+    codes = np.empty((height - 1) * stride + width, np.uint32)
     for i in range(n):
         _place(images[i], 1, framed)
-        for x in range(codes.size):
-            e, se, s, sw, w, nw, north, ne = _eight(above, here, below, x)
-            half = _sign(e, 1) | _sign(se, 2) | _sign(s, 4) | _sign(sw, 8)
-            codes[x] = half | _sign(w, 16) | _sign(nw, 32) | _sign(north, 64) | _sign(ne, 128)
-        for v in range(height):
-            row, target = codes[v * stride : v * stride + width], labels[i, v]
-            for u in range(width):
-                target[u] = table[row[u]]
+        _signs_of_eight(framed.ravel(), stride, codes)
+        _look_up(codes, stride, table, labels[i])
 
 
 @njit(cache=True, nogil=True)
-def tdlbp_eight(images, per_unit, layers):  # type: ignore[no-untyped-def]
-    """The four layers of the 8-neighbour codes, R = 1."""
+def tdlbp_eight(images, per_unit, table, labels, layers):  # type: ignore[no-untyped-def]
+    """The four layers of the 8-neighbour codes, R = 1; of the first also the labels, if asked."""
     n, height, width = images.shape
-    stride = width + 2
-    framed = np.full((height + 2, stride), np.float32(np.nan))
-    codes = np.empty((height - 1) * stride + width, np.int32)
-    flat = framed.ravel()
-    above, here, below = flat, flat[stride:], flat[2 * stride :]
+    framed, stride = _frame_for(height, width), width + 2
+    codes = np.empty((height - 1) * stride + width, np.uint32)
     for i in range(n):
         _place(images[i], 1, framed)
-        for x in range(codes.size):
-            e, se, s, sw, w, nw, north, ne = _eight(above, here, below, x)
-            first = _digits(e, per_unit) | _digits(se, per_unit) << 1
-            second = _digits(s, per_unit) << 2 | _digits(sw, per_unit) << 3
-            third = _digits(w, per_unit) << 4 | _digits(nw, per_unit) << 5
-            fourth = _digits(north, per_unit) << 6 | _digits(ne, per_unit) << 7
-            codes[x] = np.int32(first | second | third | fourth)
+        _digits_of_eight(framed.ravel(), stride, per_unit, codes)
         _unpack(codes, stride, layers[i])
+        if labels.size:
+            _look_up(codes, stride, table, labels[i])
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _byte(code, shift):  # type: ignore[no-untyped-def]
+    """One byte of a code; signed on its way, for which the processor has an instruction."""
+    return np.float32(np.int32((code >> np.uint32(shift)) & np.uint32(255)))
 
 
 @njit(cache=True, nogil=True)
@@ -216,7 +249,7 @@ def _unpack(codes, stride, layers):  # type: ignore[no-untyped-def]
         row = codes[v * stride : v * stride + width]
         one, two, three, four = layers[0, v], layers[1, v], layers[2, v], layers[3, v]
         for u in range(width):
-            one[u] = np.float32(row[u] & 255)
-            two[u] = np.float32((row[u] >> 8) & 255)
-            three[u] = np.float32((row[u] >> 16) & 255)
-            four[u] = np.float32((row[u] >> 24) & 255)
+            one[u] = _byte(row[u], 0)
+            two[u] = _byte(row[u], 8)
+            three[u] = _byte(row[u], 16)
+            four[u] = _byte(row[u], 24)

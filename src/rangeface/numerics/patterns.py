@@ -34,6 +34,8 @@ POINTS = (8, 16, 24)
 METHODS = {"basic": 0, "u2": 1, "ri": 2, "riu2": 3}
 """Label maps of a code, and their number in the kernels."""
 
+_NO_LABELS = np.empty((0, 0, 0), np.float32)
+
 
 def label_count(points: int, method: str) -> int:
     """Number of different labels that a method gives.
@@ -113,15 +115,19 @@ def lbp(
     >>> lbp(peak)[1, 1]
     np.float32(0.0)
     """
-    check(points, radius_px, method)
-    batch, leading = as_batch(images, at_least=2 * ceil(radius_px) + 1)
-    labels = np.empty_like(batch)
-    table = _label_table(points, method)
-    if points == 8 and radius_px == 1:
-        kernels.lbp_eight(batch, table, labels)
+    side, table = _operator(points, radius_px, method)
+    image = np.ascontiguousarray(images, np.float32)
+    labels = np.empty(image.shape, np.float32)
+    if image.ndim == 2 and min(image.shape) >= side:  # a call costs as much as a small image
+        batch, out = image[None], labels[None]
     else:
-        kernels.lbp(batch, *_circle(points, float(radius_px)), table, METHODS[method], labels)
-    return labels.reshape(*leading, *batch.shape[1:])
+        batch, _ = as_batch(image, at_least=side)
+        out = labels.reshape(batch.shape)
+    if points == 8 and radius_px == 1:
+        kernels.lbp_eight(batch, table, out)
+    else:
+        kernels.lbp(batch, *_circle(points, float(radius_px)), table, METHODS[method], out)
+    return labels
 
 
 def tdlbp(images: ArrayLike, *, radius_px: float = 1.0, unit: float = 1.0) -> Float32:
@@ -166,16 +172,53 @@ def tdlbp(images: ArrayLike, *, radius_px: float = 1.0, unit: float = 1.0) -> Fl
     >>> tdlbp([[0, 0, 0], [-2, 0, 5], [0, 0, 0]])[:, 1, 1]
     array([199.,   1.,  16., 131.], dtype=float32)
     """
-    check(8, radius_px, "basic")
-    if not 0 < unit < inf:
-        raise ParameterError(f"unit: must be > 0, got {unit}")
-    batch, leading = as_batch(images, at_least=2 * ceil(radius_px) + 1)
-    layers = np.empty((batch.shape[0], 4, *batch.shape[1:]), np.float32)
+    side, table = _operator(8, radius_px, "basic")
+    batch, leading = as_batch(images, at_least=side)
+    layers = np.empty((len(batch), 4, *batch.shape[1:]), np.float32)
     if radius_px == 1:
-        kernels.tdlbp_eight(batch, np.float32(1.0 / unit), layers)
+        kernels.tdlbp_eight(batch, _per_unit(unit), table, _NO_LABELS, layers)
     else:
-        kernels.tdlbp(batch, *_circle(8, float(radius_px)), np.float32(1.0 / unit), layers)
-    return layers.reshape(*leading, *layers.shape[1:])
+        kernels.tdlbp(batch, *_circle(8, float(radius_px)), _per_unit(unit), layers)
+    return layers.reshape(leading + layers.shape[1:])
+
+
+def lbp_and_tdlbp(
+    images: ArrayLike, *, method: str = "riu2", unit: float = 1.0
+) -> tuple[Float32, Float32]:
+    """`lbp` and `tdlbp` of the eight neighbours at 1 px, in one pass.
+
+    Parameters
+    ----------
+    images : (…, H, W) array_like
+        Values, NaN where invalid.
+    method : {"basic", "u2", "ri", "riu2"}
+        Label of a code, as for `lbp`.
+    unit : float
+        The unit of a difference, as for `tdlbp`.
+
+    Returns
+    -------
+    labels : (…, H, W) float32
+    layers : (…, 4, H, W) float32
+        Bit for bit what the two functions give.
+
+    Raises
+    ------
+    ParameterError
+        As the two functions raise it.
+
+    Examples
+    --------
+    >>> labels, layers = lbp_and_tdlbp(np.eye(5))
+    >>> bool((labels == lbp(np.eye(5))).all() and (layers == tdlbp(np.eye(5))).all())
+    True
+    """
+    side, table = _operator(8, 1.0, method)
+    batch, leading = as_batch(images, at_least=side)
+    labels = np.empty(batch.shape, np.float32)
+    layers = np.empty((len(batch), 4, *batch.shape[1:]), np.float32)
+    kernels.tdlbp_eight(batch, _per_unit(unit), table, labels, layers)
+    return labels.reshape(leading + batch.shape[1:]), layers.reshape(leading + layers.shape[1:])
 
 
 def check(points: int, radius_px: float, method: str) -> None:
@@ -186,6 +229,20 @@ def check(points: int, radius_px: float, method: str) -> None:
         raise ParameterError(f"method: must be one of {sorted(METHODS)}, got {method!r}")
     if not 0 < radius_px < inf:
         raise ParameterError(f"radius_px: must be > 0 px, got {radius_px}")
+
+
+def _per_unit(unit: float) -> np.float32:
+    """Units in a value of 1."""
+    if not 0 < unit < inf:
+        raise ParameterError(f"unit: must be > 0, got {unit}")
+    return np.float32(1.0 / unit)
+
+
+@lru_cache(maxsize=64)
+def _operator(points: int, radius_px: float, method: str) -> tuple[int, Float32]:
+    """Side, px, of the neighbourhood, and the label of every code; checks P, R and method."""
+    check(points, radius_px, method)
+    return 2 * ceil(radius_px) + 1, _label_table(points, method)
 
 
 @lru_cache(maxsize=64)

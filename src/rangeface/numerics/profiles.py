@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import ceil, inf
 from typing import TypeAlias
 
 import numpy as np
@@ -78,18 +79,17 @@ def lines(
     z = np.ascontiguousarray(depth, np.float32)
     if points < 3 or points % 2 == 0:
         raise ParameterError(f"points: must be odd and ≥ 3, got {points}")
-    for name, value, least in (
-        ("reach_mm", reach, 1e-9),
-        ("half_width_mm", half_width, 0.0),
-        ("smooth_mm", smoothing, 0.0),
-    ):
-        if not (np.isfinite(value) and value >= least):
-            raise ParameterError(f"{name}: must be {'>' if least else '≥'} 0 mm, got {value}")
+    if not 1e-9 <= reach < inf:
+        raise ParameterError(f"reach_mm: must be > 0 mm, got {reach}")
+    for name, value in (("half_width_mm", half_width), ("smooth_mm", smoothing)):
+        if not 0 <= value < inf:
+            raise ParameterError(f"{name}: must be ≥ 0 mm, got {value}")
     step = 0.5 * pitch
-    count = int(np.ceil(reach / step))
+    count = ceil(reach / step)
     band = round(half_width / step)
     # one row a line: column and row of its point, direction
-    line = np.empty((max(np.size(angles), np.size(origin) // 2), 4))
+    origin, angles = np.asarray(origin, np.float64), np.asarray(angles, np.float64)
+    line = np.empty((max(angles.size, origin.size // 2), 4))
     line[:, :2], line[:, 2], line[:, 3] = origin, np.cos(angles), np.sin(angles)
     sampled = np.empty((len(line), 2 * count + 1), np.float32)
     spread = z if sigma is None else np.ascontiguousarray(sigma, np.float32)
@@ -125,12 +125,12 @@ def nose_root(profile: ArrayLike, positions: ArrayLike) -> float:
     -40.0
     """
     z, y = np.asarray(profile, np.float64), np.asarray(positions, np.float64)
-    use = (y <= -22.0) & (y >= -62.0) & np.isfinite(z)
-    if use.sum() < 5:
-        return -42.0
+    use = (y <= -22.0) & (y >= -62.0) & (z == z)
     z, y = z[use], y[use]
-    chord = z[0] + (z[-1] - z[0]) * (y - y[0]) / (y[-1] - y[0])
-    return float(y[np.argmax(z - chord)])
+    if z.size < 5:
+        return -42.0
+    chord = z[0] + (z[-1] - z[0]) / (y[-1] - y[0]) * (y - y[0])
+    return float(y[(z - chord).argmax()])
 
 
 # ── kernels ──────────────────────────────────────────────────────────────────────────────
