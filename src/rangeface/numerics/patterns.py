@@ -116,18 +116,13 @@ def lbp(
     np.float32(0.0)
     """
     side, table = _operator(points, radius_px, method)
-    image = np.ascontiguousarray(images, np.float32)
-    labels = np.empty(image.shape, np.float32)
-    if image.ndim == 2 and min(image.shape) >= side:  # a call costs as much as a small image
-        batch, out = image[None], labels[None]
-    else:
-        batch, _ = as_batch(image, at_least=side)
-        out = labels.reshape(batch.shape)
+    batch, leading = _batch_of(images, side)
+    labels = np.empty(batch.shape, np.float32)
     if points == 8 and radius_px == 1:
-        kernels.lbp_eight(batch, table, out)
+        kernels.lbp_eight(batch, table, labels)
     else:
-        kernels.lbp(batch, *_circle(points, float(radius_px)), table, METHODS[method], out)
-    return labels
+        kernels.lbp(batch, *_circle(points, float(radius_px)), table, METHODS[method], labels)
+    return labels.reshape(leading + batch.shape[1:]) if leading else labels[0]
 
 
 def tdlbp(images: ArrayLike, *, radius_px: float = 1.0, unit: float = 1.0) -> Float32:
@@ -173,13 +168,13 @@ def tdlbp(images: ArrayLike, *, radius_px: float = 1.0, unit: float = 1.0) -> Fl
     array([199.,   1.,  16., 131.], dtype=float32)
     """
     side, table = _operator(8, radius_px, "basic")
-    batch, leading = as_batch(images, at_least=side)
+    batch, leading = _batch_of(images, side)
     layers = np.empty((len(batch), 4, *batch.shape[1:]), np.float32)
     if radius_px == 1:
         kernels.tdlbp_eight(batch, _per_unit(unit), table, _NO_LABELS, layers)
     else:
         kernels.tdlbp(batch, *_circle(8, float(radius_px)), _per_unit(unit), layers)
-    return layers.reshape(leading + layers.shape[1:])
+    return layers.reshape(leading + layers.shape[1:]) if leading else layers[0]
 
 
 def lbp_and_tdlbp(
@@ -214,10 +209,12 @@ def lbp_and_tdlbp(
     True
     """
     side, table = _operator(8, 1.0, method)
-    batch, leading = as_batch(images, at_least=side)
+    batch, leading = _batch_of(images, side)
     labels = np.empty(batch.shape, np.float32)
     layers = np.empty((len(batch), 4, *batch.shape[1:]), np.float32)
     kernels.tdlbp_eight(batch, _per_unit(unit), table, labels, layers)
+    if not leading:
+        return labels[0], layers[0]
     return labels.reshape(leading + batch.shape[1:]), layers.reshape(leading + layers.shape[1:])
 
 
@@ -229,6 +226,14 @@ def check(points: int, radius_px: float, method: str) -> None:
         raise ParameterError(f"method: must be one of {sorted(METHODS)}, got {method!r}")
     if not 0 < radius_px < inf:
         raise ParameterError(f"radius_px: must be > 0 px, got {radius_px}")
+
+
+def _batch_of(images: ArrayLike, side: int) -> tuple[Float32, tuple[int, ...]]:
+    """`as_batch`, with a short way for one image: its call costs as much as a small image."""
+    image = np.ascontiguousarray(images, np.float32)
+    if image.ndim == 2 and min(image.shape) >= side:
+        return image[None], ()
+    return as_batch(image, at_least=side)
 
 
 def _per_unit(unit: float) -> np.float32:
