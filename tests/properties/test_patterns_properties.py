@@ -113,3 +113,13 @@ def test_batch_equals_loop():
         np.testing.assert_array_equal(patterns.lbp(batch, method=method), loop)
     loop = np.stack([patterns.tdlbp(i, unit=0.5) for i in batch])
     np.testing.assert_array_equal(patterns.tdlbp(batch, unit=0.5), loop)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_both_patterns_in_one_pass_are_those_of_two(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    images = rng.normal(0.0, 3.0, (3, 20, 17)).astype(np.float32)
+    images[rng.random(images.shape) < 0.05] = np.nan
+    codes, layers = patterns.lbp_and_tdlbp(images, method="riu2", unit=0.55)
+    assert np.array_equal(codes, patterns.lbp(images, method="riu2"), equal_nan=True)
+    assert np.array_equal(layers, patterns.tdlbp(images, unit=0.55), equal_nan=True)
