@@ -92,6 +92,8 @@ def test_evaluate_a_folder_writes_rates_with_intervals(rangeface, folder, tmp_pa
     assert everyone["n"] == len(PEOPLE) - 1
     assert 0 <= everyone["rank1"]["low"] <= everyone["rank1"]["rate"] <= 1
     assert {"rank5", "eer", "fta"} <= set(everyone)
+    pairs = everyone["n"] * (everyone["n"] - 1)
+    assert everyone["fnmr_at_fmr"]["fmr"] == pytest.approx(max(0.01, 3 / pairs))
     assert "rank 1" in out
 
 
@@ -106,6 +108,12 @@ def test_a_broken_file_among_many_is_counted_and_the_run_goes_on(rangeface, fold
     assert status == 0
     assert "75-probe.npz" in out
     assert "1 of 24 captures failed" in out
+
+
+def test_a_false_match_rate_that_nobody_can_show_is_refused(rangeface, folder) -> None:
+    status, _, err = rangeface("evaluate", "folder", folder, "--fmr", 1e-5)
+    assert status == 2
+    assert "cannot be shown with 132 comparisons" in err
 
 
 def test_info_and_trace_of_a_file(rangeface, folder, tmp_path) -> None:

@@ -31,6 +31,10 @@ GalleryFile = Annotated[str, typer.Option("--gallery", help="Gallery file, or sq
 Fmr = Annotated[
     float, typer.Option("--fmr", help="Accepted false match rate of one comparison, 0 … 1.")
 ]
+RatedFmr = Annotated[
+    float | None,
+    typer.Option("--fmr", help="FMR at which the FNMR is given; at least 3 / different pairs."),
+]
 Pipeline = Annotated[str, typer.Option("--pipeline", help="Name of a preset, or a file FILE.toml.")]
 Camera = Annotated[
     Path | None,
@@ -153,6 +157,7 @@ def evaluate_rap3df(
     reference: Annotated[
         Path | None, typer.Option("--reference", help="CSV that marks near-frontal captures.")
     ] = None,
+    fmr: RatedFmr = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write results here.")] = None,
 ) -> None:
     """Evaluate on RAP3DF (2017): one gallery capture a person, all tests as probes."""
@@ -160,7 +165,8 @@ def evaluate_rap3df(
     from rangeface.app import evaluate
 
     evaluate.run("rap3df", datasets.rap3df(path), path, pipeline, grid=grid,
-                 exclude=exclude or [], reference=reference, json_file=json_file)  # fmt: skip
+                 exclude=exclude or [], reference=reference, json_file=json_file,
+                 fmr=fmr)  # fmt: skip
 
 
 @evaluate_app.command("folder")
@@ -174,6 +180,7 @@ def evaluate_folder(
     reference: Annotated[
         Path | None, typer.Option("--reference", help="CSV that marks near-frontal captures.")
     ] = None,
+    fmr: RatedFmr = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write results here.")] = None,
 ) -> None:
     """Evaluate on your own folder: index.csv with path,subject,role,view,session."""
@@ -181,7 +188,8 @@ def evaluate_folder(
     from rangeface.app import evaluate
 
     evaluate.run("folder", datasets.folder(path), path, pipeline, grid=grid,
-                 exclude=exclude or [], reference=reference, json_file=json_file)  # fmt: skip
+                 exclude=exclude or [], reference=reference, json_file=json_file,
+                 fmr=fmr)  # fmt: skip
 
 
 @evaluate_app.command("database")
@@ -196,6 +204,7 @@ def evaluate_database(
     exclude: Annotated[
         list[str] | None, typer.Option("--exclude", help="Leave out a subject; repeatable.")
     ] = None,
+    fmr: RatedFmr = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write results here.")] = None,
 ) -> None:
     """Evaluate on any database that rangeface knows, by one of its published protocols."""
@@ -203,7 +212,7 @@ def evaluate_database(
 
     scans = databases.scans(name, path, protocol)
     evaluate.run(name, scans, path, pipeline, grid=grid, exclude=exclude or [], reference=None,
-                 json_file=json_file)  # fmt: skip
+                 json_file=json_file, fmr=fmr)  # fmt: skip
 
 
 @evaluate_app.command("synthetic")
@@ -215,6 +224,7 @@ def evaluate_synthetic(
     seed: Annotated[int, typer.Option("--seed")] = 0,
     pipeline: Pipeline = "default",
     grid: Annotated[bool, typer.Option("--grid", help="Features × classifiers.")] = False,
+    fmr: RatedFmr = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write results here.")] = None,
 ) -> None:
     """Evaluate on simulated people before a simulated camera; no data needed."""
@@ -224,7 +234,7 @@ def evaluate_synthetic(
     scans = synthetic.scans(people=people, sensor=sensor, distance_mm=distance_mm,
                             frames=frames, seed=seed)  # fmt: skip
     evaluate.run("synthetic", scans, None, pipeline, grid=grid, exclude=[], reference=None,
-                 json_file=json_file)  # fmt: skip
+                 json_file=json_file, fmr=fmr)  # fmt: skip
 
 
 @app.command()

@@ -44,6 +44,7 @@ def run(
     exclude: Sequence[str],
     reference: Path | None,
     json_file: Path | None,
+    fmr: float | None = None,
 ) -> None:
     """Evaluate and report; failures of single files are printed and counted."""
     way = load_pipeline(pipeline)
@@ -56,7 +57,7 @@ def run(
     results: list[dict[str, Any]] = []
     for name, variant in _variants(way, pipeline, grid):
         scores = compare(variant, captures, views=views)
-        subsets = _subsets(scores, near_frontal)
+        subsets = _subsets(scores, near_frontal, fmr)
         _print_rates(name, subsets)
         results.append(
             {
@@ -136,13 +137,13 @@ def _variants(way: FacePipeline, name: str, grid: bool) -> list[tuple[str, FaceP
     ]
 
 
-def _subsets(scores: Scores, near_frontal: set[Path] | None) -> dict[str, Rates]:
+def _subsets(scores: Scores, near_frontal: set[Path] | None, fmr: float | None) -> dict[str, Rates]:
     subsets = {}
     if near_frontal is not None:
         keep = np.array([c.scan.path in near_frontal for c in scores.probes])
         if keep.any():
-            subsets["near_frontal"] = rates(scores.rows(keep))
-    return {**subsets, "all": rates(scores)}
+            subsets["near_frontal"] = rates(scores.rows(keep), fmr=fmr)
+    return {**subsets, "all": rates(scores, fmr=fmr)}
 
 
 def _print_failures(captures: Sequence[Capture]) -> None:
@@ -155,9 +156,13 @@ def _print_failures(captures: Sequence[Capture]) -> None:
 
 
 def _print_rates(name: str, subsets: dict[str, Rates]) -> None:
-    table = Table("probes", "rank 1", "rank 5", "EER, per probe", "EER, raw", "FTA", title=name)
+    fmr = next(iter(subsets.values())).fmr
+    fnmr = f"FNMR at FMR {100 * fmr:.3g} %"
+    table = Table(
+        "probes", "rank 1", "rank 5", "EER, per probe", "EER, raw", fnmr, "FTA", title=name
+    )
     for subset, r in subsets.items():
-        cells = (r.rank1, r.rank5, r.eer, r.eer_raw, r.fta)
+        cells = (r.rank1, r.rank5, r.eer, r.eer_raw, r.fnmr, r.fta)
         table.add_row(f"{subset} ({r.n})", *(_cell(rate) for rate in cells))
     console.print(table)
 

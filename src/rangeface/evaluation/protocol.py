@@ -15,10 +15,12 @@ from rangeface.evaluation.error_rates import (
     Rate,
     eer,
     failure_to_acquire,
+    fnmr_at_fmr,
     mated_nonmated,
     rank_k,
 )
 from rangeface.gallery import stack
+from rangeface.numerics.statistics import rule_of_three
 from rangeface.pipeline import FacePipeline, Trace
 from rangeface.types import Float64, RangeImage, Scan
 
@@ -101,6 +103,10 @@ class Rates:
         Equal error rate of the scores normalised per probe over the gallery, and of raw ones.
     fta : Rate
         Failures to acquire.
+    fmr : float
+        False match rate that `fnmr` belongs to.
+    fnmr : Rate
+        False non-match rate at that false match rate, of the normalised scores.
     """
 
     n: int
@@ -109,6 +115,8 @@ class Rates:
     eer: Rate
     eer_raw: Rate
     fta: Rate
+    fmr: float
+    fnmr: Rate
 
     def to_json(self) -> dict[str, Any]:
         """Plain numbers, rates in 0 … 1."""
@@ -116,6 +124,8 @@ class Rates:
         for name in ("rank1", "rank5", "eer", "eer_raw"):
             rate: Rate = getattr(self, name)
             out[name] = {"rate": rate.rate, "low": rate.low, "high": rate.high}
+        fnmr = {"rate": self.fnmr.rate, "low": self.fnmr.low, "high": self.fnmr.high}
+        out["fnmr_at_fmr"] = {"fmr": self.fmr, **fnmr}
         out["fta"] = self.fta.rate
         return out
 
@@ -217,13 +227,16 @@ def _trace(capture: Capture) -> Trace:
     return capture.trace
 
 
-def rates(scores: Scores) -> Rates:
+def rates(scores: Scores, *, fmr: float | None = None) -> Rates:
     """Rate a table of scores.
 
     Parameters
     ----------
     scores : Scores
         At least one probe; people who failed to enrol count against their probes.
+    fmr : float, optional
+        False match rate at which the false non-match rate is given, at least
+        3 / number of different-person comparisons. Default: 1 %, or that bound where it is larger.
 
     Returns
     -------
@@ -233,18 +246,25 @@ def rates(scores: Scores) -> Rates:
     ------
     DegenerateError
         There is no probe.
+    ParameterError
+        So few comparisons cannot show this `fmr`.
     """
     table, subjects, people = scores.table, scores.probe_subjects, scores.people
     if len(table) == 0:
         raise DegenerateError("no probe to rate")
     normalised = t_norm(table) if scores.enrolled > 1 else table
+    mated, nonmated = mated_nonmated(normalised, subjects, people)
+    if fmr is None:
+        fmr = min(max(0.01, rule_of_three(int(np.count_nonzero(~np.isnan(nonmated))))), 0.99)
     return Rates(
         n=len(table),
         rank1=rank_k(table, subjects, people, k=1),
         rank5=rank_k(table, subjects, people, k=5),
-        eer=eer(*mated_nonmated(normalised, subjects, people)),
+        eer=eer(mated, nonmated),
         eer_raw=eer(*mated_nonmated(table, subjects, people)),
         fta=failure_to_acquire(table),
+        fmr=fmr,
+        fnmr=fnmr_at_fmr(mated, nonmated, fmr),
     )
 
 
