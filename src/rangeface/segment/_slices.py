@@ -32,6 +32,8 @@ _MIN_AREA_MM2 = 4000.0
 _SEARCH_PIXEL_MM = 4.0
 _PITCHES_DEG = (-40.0, -20.0, 0.0, 20.0, 40.0)
 _ROLLS_DEG = (-25.0, 0.0, 25.0)
+#: The nose tips of two people are further apart than this; a chin or collar is nearer to its own.
+_APART_MM = 200.0
 #: A refined pose may leave the searched range by this much.
 _STRAY_DEG = 15.0
 _GATES = np.array([30, 25, 20, 20, 15, 15, 12, 12, 10, 10], np.float32)
@@ -101,7 +103,7 @@ def slices(
     ]
     if not found:
         return Faces(reason=Reason.NO_FACE)
-    distinct = _distinct(sorted(found, key=lambda h: -h.score), radius_mm)[:max_faces]
+    distinct = _distinct(sorted(found, key=lambda h: -h.score), _APART_MM)[:max_faces]
     return Faces([_face(image, reference, h, radius_mm) for h in distinct])
 
 

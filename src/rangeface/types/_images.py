@@ -38,6 +38,7 @@ class RangeImage:
 
     Examples
     --------
+    >>> from rangeface.types import Pinhole
     >>> image = RangeImage([[400.0, np.nan]], Pinhole(200, 200, 0.5, 0, 2, 1))
     >>> image.mask
     array([[ True, False]])
