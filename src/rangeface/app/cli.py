@@ -35,6 +35,14 @@ RatedFmr = Annotated[
     float | None,
     typer.Option("--fmr", help="FMR at which the FNMR is given; at least 3 / different pairs."),
 ]
+Grid = Annotated[bool, typer.Option("--grid", help="Features × classifiers.")]
+Exclude = Annotated[
+    list[str] | None, typer.Option("--exclude", help="Leave out a subject; repeatable.")
+]
+ReferenceCsv = Annotated[
+    Path | None, typer.Option("--reference", help="CSV that marks near-frontal captures.")
+]
+JsonFile = Annotated[Path | None, typer.Option("--json", help="Write results here.")]
 Pipeline = Annotated[str, typer.Option("--pipeline", help="Name of a preset, or a file FILE.toml.")]
 Camera = Annotated[
     Path | None,
@@ -150,21 +158,17 @@ def figures(
 def evaluate_rap3df(
     path: Annotated[Path, typer.Argument(help="Folder rap3df_data, or the one that holds it.")],
     pipeline: Pipeline = "default",
-    grid: Annotated[bool, typer.Option("--grid", help="Features × classifiers.")] = False,
-    exclude: Annotated[
-        list[str] | None, typer.Option("--exclude", help="Leave out a subject; repeatable.")
-    ] = None,
-    reference: Annotated[
-        Path | None, typer.Option("--reference", help="CSV that marks near-frontal captures.")
-    ] = None,
+    grid: Grid = False,
+    exclude: Exclude = None,
+    reference: ReferenceCsv = None,
     fmr: RatedFmr = None,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write results here.")] = None,
+    json_file: JsonFile = None,
 ) -> None:
     """Evaluate on RAP3DF (2017): one gallery capture a person, all tests as probes."""
     from rangeface import datasets
     from rangeface.app import evaluate
 
-    evaluate.run("rap3df", datasets.rap3df(path), path, pipeline, grid=grid,
+    evaluate.run("rap3df", datasets.rap3df(path), pipeline, grid=grid,
                  exclude=exclude or [], reference=reference, json_file=json_file,
                  fmr=fmr)  # fmt: skip
 
@@ -173,21 +177,17 @@ def evaluate_rap3df(
 def evaluate_folder(
     path: Annotated[Path, typer.Argument(help="Folder with an index.csv.")],
     pipeline: Pipeline = "default",
-    grid: Annotated[bool, typer.Option("--grid", help="Features × classifiers.")] = False,
-    exclude: Annotated[
-        list[str] | None, typer.Option("--exclude", help="Leave out a subject; repeatable.")
-    ] = None,
-    reference: Annotated[
-        Path | None, typer.Option("--reference", help="CSV that marks near-frontal captures.")
-    ] = None,
+    grid: Grid = False,
+    exclude: Exclude = None,
+    reference: ReferenceCsv = None,
     fmr: RatedFmr = None,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write results here.")] = None,
+    json_file: JsonFile = None,
 ) -> None:
     """Evaluate on your own folder: index.csv with path,subject,role,view,session."""
     from rangeface import datasets
     from rangeface.app import evaluate
 
-    evaluate.run("folder", datasets.folder(path), path, pipeline, grid=grid,
+    evaluate.run("folder", datasets.folder(path), pipeline, grid=grid,
                  exclude=exclude or [], reference=reference, json_file=json_file,
                  fmr=fmr)  # fmt: skip
 
@@ -200,18 +200,16 @@ def evaluate_database(
         str | None, typer.Option("--protocol", help="Default: the first that it has.")
     ] = None,
     pipeline: Pipeline = "default",
-    grid: Annotated[bool, typer.Option("--grid", help="Features × classifiers.")] = False,
-    exclude: Annotated[
-        list[str] | None, typer.Option("--exclude", help="Leave out a subject; repeatable.")
-    ] = None,
+    grid: Grid = False,
+    exclude: Exclude = None,
     fmr: RatedFmr = None,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write results here.")] = None,
+    json_file: JsonFile = None,
 ) -> None:
     """Evaluate on any database that rangeface knows, by one of its published protocols."""
     from rangeface.app import databases, evaluate
 
     scans = databases.scans(name, path, protocol)
-    evaluate.run(name, scans, path, pipeline, grid=grid, exclude=exclude or [], reference=None,
+    evaluate.run(name, scans, pipeline, grid=grid, exclude=exclude or [], reference=None,
                  json_file=json_file, fmr=fmr)  # fmt: skip
 
 
@@ -223,9 +221,9 @@ def evaluate_synthetic(
     frames: Annotated[int, typer.Option("--frames", help="Frames combined a probe.", min=1)] = 1,
     seed: Annotated[int, typer.Option("--seed")] = 0,
     pipeline: Pipeline = "default",
-    grid: Annotated[bool, typer.Option("--grid", help="Features × classifiers.")] = False,
+    grid: Grid = False,
     fmr: RatedFmr = None,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write results here.")] = None,
+    json_file: JsonFile = None,
 ) -> None:
     """Evaluate on simulated people before a simulated camera; no data needed."""
     from rangeface.app import evaluate
@@ -233,7 +231,7 @@ def evaluate_synthetic(
 
     scans = synthetic.scans(people=people, sensor=sensor, distance_mm=distance_mm,
                             frames=frames, seed=seed)  # fmt: skip
-    evaluate.run("synthetic", scans, None, pipeline, grid=grid, exclude=[], reference=None,
+    evaluate.run("synthetic", scans, pipeline, grid=grid, exclude=[], reference=None,
                  json_file=json_file, fmr=fmr)  # fmt: skip
 
 

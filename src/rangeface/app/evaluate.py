@@ -37,7 +37,6 @@ GRID_CLASSIFIERS = ("pca", "lda", "mlda")
 def run(
     dataset: str,
     scans: Sequence[Scan],
-    root: Path | None,
     pipeline: str,
     *,
     grid: bool,
@@ -49,7 +48,7 @@ def run(
     """Evaluate and report; failures of single files are printed and counted."""
     way = load_pipeline(pipeline)
     kept = _without(scans, exclude)
-    near_frontal = None if reference is None else _marked(reference, root, kept)
+    near_frontal = None if reference is None else _marked(reference, kept)
     way = _adapted(way, kept)
     captures = acquire(way, over(kept, dataset))
     _print_failures(captures)
@@ -92,7 +91,7 @@ def _without(scans: Sequence[Scan], exclude: Sequence[str]) -> list[Scan]:
     return [scan for scan in scans if scan.subject not in exclude]
 
 
-def _marked(reference: Path, root: Path | None, scans: Sequence[Scan]) -> set[Path]:
+def _marked(reference: Path, scans: Sequence[Scan]) -> set[Path]:
     """Paths of the captures that the CSV marks as near-frontal."""
     if not reference.is_file():
         raise ScanError(reference, ScanFault.MISSING, "the CSV of --reference")
