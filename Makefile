@@ -37,6 +37,10 @@ reference: $(READY)
 	$(BIN)/python -m rangeface.app.reference
 	$(BIN)/rangeface train src/rangeface/data/default.model
 
+experiments: $(READY)
+	$(BIN)/rangeface experiment all --out rangeface-experiments
+	$(BIN)/rangeface figures --out rangeface-experiments/figures
+
 fuzz: $(READY)
 	$(BIN)/python tests/fuzz.py --cases $(or $(CASES),20000)
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from rangeface.classify import MLDA, PCA, FisherfaceLDA
+from rangeface.classify import MLDA, PCA, FisherfaceLDA, SurfaceMatcher
 from rangeface.decide import per_subject
 from rangeface.numerics.similarity import similarity
 
@@ -31,6 +31,16 @@ def stages() -> Iterator[tuple[str, str, Arms]]:
     yield "project", f"1×{X.shape[1]}", {"ours": lambda: mlda.transform(X[:1])}
     for rows in (10_000, 100_000, 1_000_000):
         yield "search", f"{rows}×180", _search(rng, rows)
+    yield "surface pairs, upper face", "1×100", {"ours": _surfaces(rng)}
+
+
+def _surfaces(rng: np.random.Generator) -> Callable[[], object]:
+    """A bumpy bowl against a hundred others: depth and inverse variance of 80 × 50 pixels."""
+    y, x = np.mgrid[-1:1:80j, -1:1:50j]
+    bowls = 60 * (x**2 + y**2) + 5 * np.sin(rng.uniform(3, 9, (101, 1, 1)) * x + y)
+    rows = np.stack([bowls, np.ones_like(bowls)], axis=-1).reshape(101, -1).astype(np.float32)
+    matcher = SurfaceMatcher().fit(rows)
+    return lambda: matcher.similarity(rows[:1], rows[1:])
 
 
 def _faces(

@@ -26,6 +26,7 @@ def stages() -> Iterator[tuple[str, str, dict[str, Callable[[], object]]]]:
         alignments = [register.icp(face) for face in faces]
         pairs = list(zip(faces, alignments, strict=True))
         yield "find a face, first time", size, {"ours": _turns(segment.slices, images)}
+        yield "follow a face", size, {"ours": _turns(_tracked(alignments), images)}
         yield "register", size, {"ours": _turns(register.icp, faces)}
         yield "resample", size, {"ours": _turns(lambda p: register.frontal.resample(*p), pairs)}
         yield "ICP to the reference", size, _icp_arms(images)
@@ -35,6 +36,19 @@ def _image(camera: Pinhole, person: int) -> RangeImage:
     pose = simulate.pose(yaw_deg=5.0 * person - 8.0, nose_tip_mm=(3.0, 5.0, 450.0))
     clean = simulate.render(simulate.head(person), camera, pose).image
     return simulate.add_noise(clean, 2.0, rng=np.random.default_rng(person))
+
+
+def _tracked(alignments: list) -> Callable[[RangeImage], object]:
+    """Find, crop and register in the next frame, from the pose of the last one."""
+    state = {"pose": alignments[0].transform}
+
+    def step(image: RangeImage) -> object:
+        faces = segment.follow(RangeImage(image.depth, image.camera, image.sigma), state["pose"])
+        alignment = register.icp(faces[0])
+        state["pose"] = alignment.transform
+        return alignment
+
+    return step
 
 
 def _turns(method: Callable, items: list) -> Callable[[], object]:
@@ -51,7 +65,7 @@ def _turns(method: Callable, items: list) -> Callable[[], object]:
 def _starts(images: list[RangeImage]) -> list[tuple[RangeImage, np.ndarray, np.ndarray]]:
     rng = np.random.default_rng(0)
     out = []
-    for k in range(40):
+    for k in range(200):
         image = images[k % len(images)]
         tip = np.array([3.0, 5.0, 450.0]) + rng.uniform(-12.0, 12.0, 3)
         out.append((image, head_rotation(*np.deg2rad(rng.uniform(-15.0, 15.0, 3))), tip))

@@ -8,6 +8,7 @@ A configuration is a picture of the dataclass::
     register = { method = "icp" }
     frontal  = { method = "resample", width = 50, height = 80 }
     assess   = { method = "quality" }
+    normalise = { method = "pooled" }
     fuse     = { method = "sum" }
     decide   = { method = "open-set" }
 
@@ -36,11 +37,18 @@ STAGES: dict[str, Mapping[str, Callable[..., Any]]] = {
     "register": register.METHODS,
     "frontal": register.FRONTAL,
     "assess": assess.METHODS,
+    "normalise": decide.PER_HEAD,
     "fuse": decide.FUSE,
     "decide": decide.METHODS,
 }
-_OPTIONAL = {"combine", "fuse", "adapt_reference", "augment_deg"}
-_DEFAULTS = {"combine": {"method": "phasor_mean"}, "fuse": {"method": "sum"}}
+#: What the preset "default" is.
+_DEFAULT = "fusion-3d"
+_OPTIONAL = {"combine", "normalise", "fuse", "adapt_reference", "augment_deg"}
+_DEFAULTS = {
+    "combine": {"method": "phasor_mean"},
+    "normalise": {"method": "pooled"},
+    "fuse": {"method": "sum"},
+}
 
 
 def presets() -> list[str]:
@@ -56,9 +64,8 @@ def presets() -> list[str]:
     True
     """
     folder = files("rangeface") / "presets"
-    return sorted(
-        f.name.removesuffix(".toml") for f in folder.iterdir() if f.name.endswith(".toml")
-    )
+    named = {f.name.removesuffix(".toml") for f in folder.iterdir() if f.name.endswith(".toml")}
+    return sorted(named | {"default"})
 
 
 def load_pipeline(name_or_path: str | Path) -> FacePipeline:
@@ -89,7 +96,8 @@ def load_pipeline(name_or_path: str | Path) -> FacePipeline:
         raise ParameterError(
             f"unknown preset {text!r}; known: {', '.join(presets())}, or a file FILE.toml"
         )
-    return _named(text, (files("rangeface") / "presets" / f"{text}.toml").read_text("utf-8"))
+    file = f"{_DEFAULT if text == 'default' else text}.toml"
+    return _named(text, (files("rangeface") / "presets" / file).read_text("utf-8"))
 
 
 def _named(name: str, text: str) -> FacePipeline:
@@ -189,7 +197,7 @@ def to_toml(pipeline: FacePipeline) -> str:
         A method is not in its stage's table, or a parameter has no TOML form.
     """
     lines = [
-        f"{slot:<8} = {_entry(slot, getattr(pipeline, slot), methods)}"
+        f"{slot:<9} = {_entry(slot, getattr(pipeline, slot), methods)}"
         for slot, methods in STAGES.items()
     ]
     lines.append(f"adapt_reference = {_value(pipeline.adapt_reference)}")

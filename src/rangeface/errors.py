@@ -30,6 +30,10 @@ class GalleryError(RangeFaceError):
     """A gallery cannot do what was asked: other fingerprint, unknown person, read-only file, …"""
 
 
+class SourceError(RangeFaceError):
+    """A camera is missing, has been unplugged or has stopped to answer; the message names it."""
+
+
 class ScanFault(StrEnum):
     """The closed list of reasons for which a scan file is refused."""
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rangeface import classify, config
-from rangeface.decide import refuse, t_norm, threshold_at_fmr, verify
+from rangeface.decide import refuse, threshold_at_fmr, verify
 from rangeface.errors import (
     DegenerateError,
     GalleryError,
@@ -27,8 +27,8 @@ from rangeface.types import Decision, Float32, RangeImage, Reason, Template
 
 Frames = RangeImage | Sequence[RangeImage]
 
-#: Fewer cohort people than this cannot normalise a score.
-_MIN_COHORT = 10
+#: People in a cohort: enough for a median and its deviation, few enough for every probe to meet.
+_COHORT = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +40,9 @@ class FaceRecognizer:
     pipeline : FacePipeline
         Fitted.
     cohort : View, optional
-        Faces of other people. A raw score is expressed as its distance from the probe's scores
-        against the cohort (test normalisation), so that one threshold serves every probe.
+        Faces of people who are nobody here. Every head's score is expressed as its distance
+        from what the probe reaches against them and against the others in the gallery, so that
+        heads can be added and one threshold serves every probe.
     nonmated : (k,) float32
         Normalised scores of different people, from calibration: thresholds are read from them.
     provenance : mapping
@@ -108,14 +109,15 @@ class FaceRecognizer:
             raise NoFaceError(f"none of {len(traces)} training images shows a face")
         fitted = pipeline.fit_views([pipeline.views(t) for t, _ in usable], [s for _, s in usable])
         first = {subject: trace for trace, subject in reversed(usable)}
-        cohort = stack(((s, fitted.template(first[s])) for s in sorted(first)), fitted.fingerprint)
+        some = sorted(first)[:_COHORT]
+        cohort = stack(((s, fitted.template(first[s])) for s in some), fitted.fingerprint)
         story = {
             **(provenance or {}),
             "people": len(first),
             "images": len(usable),
             "failed_to_enrol": len(traces) - len(usable),
         }
-        return cls(fitted, cohort if len(first) >= _MIN_COHORT else None, provenance=story)
+        return cls(fitted, cohort, provenance=story)
 
     def calibrate(self, templates: Sequence[Template], subjects: Sequence[str]) -> FaceRecognizer:
         """Learn what scores different people reach, from people who were not trained on.
@@ -129,19 +131,25 @@ class FaceRecognizer:
         Returns
         -------
         FaceRecognizer
-            With `nonmated` filled.
+            With `nonmated` filled, and with these people as its cohort: they stood before the
+            sensor that will be used. Templates that were enrolled before stay valid.
 
         Raises
         ------
         DegenerateError
             There is only one person.
         """
-        references = stack(zip(subjects, templates, strict=True), self.pipeline.fingerprint)
-        scores = np.stack([self.scores(probe, references) for probe in templates])
-        different = np.asarray(subjects)[:, None] != np.asarray(references.subjects)[None, :]
-        if not different.any():
+        if len(set(subjects)) < 2:
             raise DegenerateError("calibrate: at least two different people are needed")
-        return replace(self, nonmated=np.sort(scores[different]).astype(np.float32))
+        references = stack(zip(subjects, templates, strict=True), self.pipeline.fingerprint)
+        first = dict(reversed(list(zip(subjects, templates, strict=True))))
+        some = sorted(first)[:_COHORT]
+        cohort = stack(((s, first[s]) for s in some), self.pipeline.fingerprint)
+        calibrated = replace(self, cohort=cohort)
+        scores = np.stack([calibrated.scores(probe, references) for probe in templates])
+        different = np.asarray(subjects)[:, None] != np.asarray(references.subjects)[None, :]
+        nonmated = scores[different & ~np.isnan(scores)]
+        return replace(calibrated, nonmated=np.sort(nonmated).astype(np.float32))
 
     # ── use ──────────────────────────────────────────────────────────────────────────────
 
@@ -160,13 +168,8 @@ class FaceRecognizer:
         Returns
         -------
         (S,) float32
-            Without a cohort, the raw scores.
         """
-        raw = self.pipeline.similarity(probe, references)
-        if self.cohort is None or len(raw) == 0:
-            return raw
-        others = self.pipeline.similarity(probe, self.cohort)
-        return np.asarray(t_norm(raw[None], others[None])[0], np.float32)
+        return self.pipeline.similarity(probe, references, cohort=self.cohort)
 
     def threshold(self, fmr: float) -> float:
         """Score that different people reach with probability `fmr`.
@@ -267,6 +270,7 @@ class FaceRecognizer:
             heads.append({k: v for k, v in state.items() if not isinstance(v, np.ndarray)})
             if self.cohort is not None:
                 arrays[f"cohort{h}"] = self.cohort.vectors[h]
+                arrays[f"cohort{h}.owners"] = self.cohort.owners[h].astype(np.int32)
         reference = self.pipeline.reference
         arrays["reference.depth"] = reference.image.depth
         if reference.image.sigma is not None:
@@ -276,6 +280,7 @@ class FaceRecognizer:
             "pipeline": config.to_toml(self.pipeline),
             "fingerprint": self.pipeline.fingerprint,
             "heads": heads,
+            "cohort": 0 if self.cohort is None else len(self.cohort.subjects),
             "provenance": dict(self.provenance),
         }
         write_arrays(Path(path), meta, arrays)
@@ -310,6 +315,7 @@ class FaceRecognizer:
             )
             pipeline = replace(pipeline, heads=heads)
             fingerprint, provenance = meta["fingerprint"], meta["provenance"]
+            cohort = _cohort(meta["cohort"], len(heads), arrays, fingerprint)
         except (KeyError, IndexError, TypeError, ParameterError) as error:
             raise ScanError(path, ScanFault.MALFORMED, f"no recogniser ({error})") from error
         if pipeline.fingerprint != fingerprint:
@@ -317,20 +323,21 @@ class FaceRecognizer:
                 path, ScanFault.UNSUPPORTED,
                 "the methods' numbers have changed since this model was made; train it again",
             )  # fmt: skip
-        cohort = _cohort(
-            [arrays[f"cohort{h}"] for h in range(len(heads)) if f"cohort{h}" in arrays], fingerprint
-        )
         return cls(pipeline, cohort, arrays["nonmated"], provenance)
 
 
-def _cohort(vectors: Sequence[Float32], fingerprint: str) -> View | None:
-    """The nameless people of a model file: one row each."""
-    if not vectors:
+def _cohort(
+    people: int, heads: int, arrays: Mapping[str, np.ndarray], fingerprint: str
+) -> View | None:
+    """The nameless people of a model file."""
+    if people == 0:
         return None
-    templates = (
-        Template(tuple(v[k : k + 1] for v in vectors), fingerprint) for k in range(len(vectors[0]))
+    return View(
+        subjects=tuple(f"cohort {k}" for k in range(people)),
+        owners=tuple(arrays[f"cohort{h}.owners"].astype(np.intp) for h in range(heads)),
+        vectors=tuple(arrays[f"cohort{h}"] for h in range(heads)),
+        fingerprint=fingerprint,
     )
-    return stack(((f"cohort {k}", t) for k, t in enumerate(templates)), fingerprint)
 
 
 def _restored(

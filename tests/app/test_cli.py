@@ -8,45 +8,14 @@ import sys
 from pathlib import Path
 
 import pytest
-from tests.conftest import sr3000_face
 
-from rangeface import datasets, io
-from rangeface.app import cli
+from rangeface import datasets
 from rangeface.config import load_pipeline
 from rangeface.evaluation import synthetic
 from rangeface.evaluation.protocol import acquire
 from rangeface.recognizer import FaceRecognizer
 
 PEOPLE = range(70, 82)
-
-
-@pytest.fixture
-def rangeface(capsys, monkeypatch):
-    def call(*args: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["rangeface", *map(str, args)])
-        try:
-            cli.main()
-            status = 0
-        except SystemExit as stop:
-            status = int(stop.code or 0)
-        out, err = capsys.readouterr()
-        return status, out, err
-
-    return call
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory) -> Path:
-    """Captures of twelve people as files, with an index: a user's own data."""
-    root = tmp_path_factory.mktemp("captures")
-    lines = ["path,subject,role,view,session"]
-    for person in PEOPLE:
-        for role, session in (("gallery", 0), ("probe", 1)):
-            name = f"{person}-{role}.npz"
-            io.write_scan(root / name, sr3000_face(person, session=session, noise=session)[0])
-            lines.append(f"{name},{person},{role},frontal,{session}")
-    (root / "index.csv").write_text("\n".join(lines) + "\n")
-    return root
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rangeface.errors import ParameterError
-from rangeface.evaluation.experiments import feature_noise, figures_features
+from rangeface.evaluation.experiments import feature_noise, figures_features, figures_way
 from rangeface.simulate import head
 from rangeface.types import Pinhole, RangeImage
 
@@ -39,9 +39,6 @@ def test_figures_refuse_what_is_not_frontal(tmp_path):
         figures_features.draw(RangeImage(np.ones((9, 9)), Pinhole(9, 9, 4, 4, 9, 9)), tmp_path)
 
 
-@pytest.mark.slow
-def test_feature_noise_runs(tmp_path):
-    result = feature_noise.run(people=4, probes=1, pitches_mm=(2.8,))
-    assert {c["feature"] for c in result["cells"]} == set(feature_noise.ARMS)
-    assert all(np.isfinite(c["d_prime"]) for c in result["cells"])
-    assert feature_noise.draw(result, tmp_path / "noise.png").stat().st_size > 10_000
+def test_figures_of_the_way_are_drawn(tmp_path):
+    for path in figures_way.draw(tmp_path, seed=11):
+        assert path.stat().st_size > 10_000

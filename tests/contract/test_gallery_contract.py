@@ -1,5 +1,6 @@
 """Every gallery keeps the protocol."""
 
+import sqlite3
 from datetime import date
 from itertools import pairwise
 
@@ -16,7 +17,10 @@ from rangeface.gallery import (
     open_gallery,
     read_key,
 )
-from rangeface.types import Assessment, Reason, Template
+from rangeface.gallery._record import digest, encode
+from rangeface.gallery._schema import APPLICATION_ID, MIGRATIONS
+from rangeface.gallery._vault import Vault
+from rangeface.types import Assessment, Orthographic, RangeImage, Reason, Template
 
 FINGERPRINT = "f" * 64
 
@@ -211,19 +215,49 @@ def test_a_backup_is_a_gallery_and_can_be_copied_back(tmp_path, key):
         assert gallery.view().subjects == ("ann", "cy")
 
 
-def test_a_gallery_of_the_first_version_is_brought_up_to_date(tmp_path, monkeypatch):
-    from rangeface.gallery import _schema, _sqlite
+def old_file(path, version: int, vault: Vault | None = None) -> None:
+    """A gallery as the first versions wrote it: names in the clear even beside sealed templates."""
+    payload = encode(template(0)) if vault is None else vault.seal(encode(template(0)), "ann")
+    person, record = digest("ann", "C-1", None), digest("ann", payload)
+    seal = bytes(a ^ b for a, b in zip(person, record, strict=True))
+    raw = sqlite3.connect(path)
+    with raw:
+        for statement in (s for step in MIGRATIONS[:version] for s in step):
+            raw.execute(statement)
+        raw.execute("INSERT INTO people VALUES (1, 'ann', 'C-1', NULL, ?)", (person,))
+        raw.execute("INSERT INTO templates VALUES (1, 1, ?, ?)", (payload, record))
+        raw.execute("UPDATE meta SET value = ? WHERE key = 'seal'", (seal,))
+        if vault is not None:
+            proof = vault.seal(b"rangeface gallery", "")
+            raw.execute("INSERT INTO meta VALUES ('key proof', ?)", (proof,))
+        raw.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+        raw.execute(f"PRAGMA user_version = {version}")
+    raw.close()
 
-    with monkeypatch.context() as past:
-        past.setattr(_schema, "MIGRATIONS", _schema.MIGRATIONS[:1])
-        past.setattr(_sqlite._audit, "note", lambda *_: None)
-        with SqliteGallery(tmp_path / "g.db") as old:
-            old.enroll("ann", template(0))
+
+@pytest.mark.parametrize("version", [1, 2])
+def test_a_gallery_of_an_older_version_is_brought_up_to_date(tmp_path, version):
+    old_file(tmp_path / "g.db", version)
     with SqliteGallery(tmp_path / "g.db") as gallery:
         assert gallery.view().subjects == ("ann",)
         assert gallery.audit() == ()
         gallery.enroll("bob", template(1))
         assert [e.person for e in gallery.audit()] == [2]
+
+
+def test_names_of_an_older_encrypted_gallery_are_sealed_when_it_is_opened(tmp_path):
+    pytest.importorskip("cryptography")
+    old_file(tmp_path / "g.db", 2, Vault(KEY))
+    assert b"C-1" in (tmp_path / "g.db").read_bytes()
+    for _ in range(2):
+        with SqliteGallery(tmp_path / "g.db", key=KEY) as gallery:
+            assert gallery.subjects() == ("ann",)
+            assert gallery.consent("ann") == Consent("C-1")
+            np.testing.assert_array_equal(
+                gallery.templates("ann")[0].vectors[0], template(0).vectors[0]
+            )
+    assert b"C-1" not in (tmp_path / "g.db").read_bytes()
+    assert b"ann" not in (tmp_path / "g.db").read_bytes()
 
 
 def test_a_key_comes_from_the_environment_or_a_file(tmp_path, monkeypatch):
@@ -242,9 +276,45 @@ def test_a_key_comes_from_the_environment_or_a_file(tmp_path, monkeypatch):
 def test_an_encrypted_file_holds_no_run_of_a_template(tmp_path):
     pytest.importorskip("cryptography")
     with SqliteGallery(tmp_path / "g.db", key=KEY) as gallery:
-        gallery.enroll("ann", template(0, widths=(180,)))
+        gallery.enroll("Annabel Lee", template(0, widths=(180,)), consent=Consent("C-7419"))
         gallery.enroll("bob", template(0, widths=(180,)))
     raw = (tmp_path / "g.db").read_bytes()
     plain = template(0, widths=(180,)).vectors[0].tobytes()
     assert not any(plain[i : i + 8] in raw for i in range(0, len(plain) - 8, 4))
     assert FINGERPRINT.encode() not in raw
+    assert b"Annabel" not in raw
+    assert b"C-7419" not in raw
+
+
+def frontal(seed: int) -> RangeImage:
+    depth = np.random.default_rng(seed).standard_normal((8, 5)).astype(np.float32)
+    depth[0, 0] = np.nan
+    return RangeImage(
+        depth, Orthographic(2.8, 2.0, 4.0, 5, 8), sigma=np.abs(depth), filled=depth > 0.5
+    )
+
+
+def test_a_gallery_is_rebuilt_from_its_frontal_images(tmp_path):
+    pytest.importorskip("cryptography")
+    seen = []
+
+    def make(image, assessment):
+        seen.append((image, assessment))
+        return Template((np.full((2, 4), len(seen)),), "g" * 64, assessment)
+
+    with SqliteGallery(tmp_path / "g.db", key=KEY) as gallery:
+        for seed, name in enumerate(["ann", "bob", "ann"]):
+            gallery.enroll(name, template(seed), frontal=frontal(seed))
+    with SqliteGallery(tmp_path / "g.db", key=KEY) as gallery:
+        gallery.delete("bob")
+        assert gallery.rebuild(make) == 2
+        assert gallery.fingerprint == "g" * 64
+        assert gallery.view().vectors[0][:, 0].tolist() == [1, 1, 2, 2]
+        assert gallery.audit()[-1].action == "rebuilt"
+        assert gallery.rebuild(make) == 2  # the images are still there
+    for (image, _), seed in zip(seen, (0, 2, 0, 2), strict=True):
+        expected = frontal(seed)
+        assert image.camera == expected.camera
+        np.testing.assert_array_equal(image.depth, expected.depth)
+        np.testing.assert_array_equal(image.sigma, expected.sigma)
+        np.testing.assert_array_equal(image.filled, expected.filled)

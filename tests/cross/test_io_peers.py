@@ -1,5 +1,7 @@
 """Files that other libraries write, and files of ours that they read."""
 
+from io import BytesIO
+
 import cv2
 import numpy as np
 import pytest
@@ -113,7 +115,7 @@ def test_we_read_the_mcap_librarys_recording(tmp_path):
         out = writer.Writer(stream)
         out.start()
         channels = {}
-        for channel, message in mcap._messages(source):
+        for channel, _, message in mcap._messages(source, BytesIO(plain)):
             if channel.topic not in channels:
                 schema = out.register_schema(f"sensor_msgs/msg/{channel.kind}", "ros2msg", b"")
                 channels[channel.topic] = out.register_channel(channel.topic, "cdr", schema)

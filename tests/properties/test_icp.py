@@ -83,5 +83,5 @@ def test_relief_tells_a_face_from_a_smooth_surface() -> None:
     ball_z = 400.0 + ((u - 87.5) ** 2 + (v - 71.5) ** 2) / 60.0
     ball = CAMERA.back_project(ball_z)
     args = (pose.rotation, pose.translation, CAMERA.projection)
-    assert icp.relief_correlation(_model(400), *args, image) > 0.95
-    assert icp.relief_correlation(_model(400), *args, ball) < 0.5
+    assert icp.relief(_model(400), *args, image).correlation > 0.95
+    assert icp.relief(_model(400), *args, ball).correlation < 0.5

@@ -78,7 +78,7 @@ def test_the_experiment_measures_what_it_says():
     rates = population_against_ict.difficulty(
         lambda seed, **_: simulate.head(seed), people=8, nose_error_mm=0.0, seed=0
     )
-    assert {r["rate"] for r in rates.values()} == {1.0}  # the probe is the gallery scan
+    assert {r.rate for r in rates.values()} == {1.0}  # the probe is the gallery scan
 
 
 def test_the_example_runs(capsys):

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import csv
 import json
+import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from rich.table import Table
 
 from rangeface import classify, describe
+from rangeface.app import evaluation_report, fusion
 from rangeface.app.console import console
+from rangeface.app.models import load_model
 from rangeface.app.progress import over
 from rangeface.config import load_pipeline
 from rangeface.errors import ParameterError, ScanError, ScanFault
@@ -25,6 +29,7 @@ from rangeface.evaluation.protocol import (
     acquire,
     compare,
     rates,
+    score,
     stage_times,
 )
 from rangeface.pipeline import FacePipeline, Head, step
@@ -37,26 +42,44 @@ GRID_CLASSIFIERS = ("pca", "lda", "mlda")
 def run(
     dataset: str,
     scans: Sequence[Scan],
-    pipeline: str,
+    pipeline: str | None,
     *,
     grid: bool,
+    model: Path | None = None,
     exclude: Sequence[str],
     reference: Path | None,
     json_file: Path | None,
     fmr: float | None = None,
+    detail: bool = False,
+    against: str | None = None,
+    report: Path | None = None,
 ) -> None:
-    """Evaluate and report; failures of single files are printed and counted."""
-    way = load_pipeline(pipeline)
+    """Evaluate and report; failures of single files are printed and counted.
+
+    With a pipeline, it learns from the data set's own training (or gallery) captures; without
+    one, a model scores that has seen none of these people.
+    """
+    start = time.perf_counter()
+    if pipeline is not None and model is not None:
+        raise ParameterError("pipeline, model: give one of them; a model brings its pipeline")
+    recognizer = None if pipeline or grid else load_model(model)
+    way = recognizer.pipeline if recognizer else load_pipeline(pipeline or "default")
     kept = _without(scans, exclude)
     near_frontal = None if reference is None else _marked(reference, kept)
-    way = _adapted(way, kept)
+    way = _adapted(way, kept) if recognizer is None else way
     captures = acquire(way, over(kept, dataset))
     _print_failures(captures)
     views: Views = {}
     results: list[dict[str, Any]] = []
-    for name, variant in _variants(way, pipeline, grid):
-        scores = compare(variant, captures, views=views)
+    runs: list[evaluation_report.Run] = []
+    label = pipeline or (f"model {model or 'that ships'}" if recognizer else "default")
+    for name, variant in _variants(way, label, grid):
+        if recognizer is not None:
+            scores = score(recognizer, captures, views=views)
+        else:
+            scores = compare(variant, captures, views=views)
         subsets = _subsets(scores, near_frontal, fmr)
+        runs.append((name, scores, subsets))
         _print_rates(name, subsets)
         results.append(
             {
@@ -66,12 +89,41 @@ def run(
                 "fingerprint": scores.fingerprint,
                 "ms_per_scan": stage_times(captures, scores.match_ms),
                 "subset": {subset: r.to_json() for subset, r in subsets.items()},
+                **_more(scores, captures, variant, near_frontal, detail, against, kept),
             }
         )
     _print_times(results[0]["ms_per_scan"])
     if json_file is not None:
         text = json.dumps(results if grid else results[0], indent=2, ensure_ascii=False)
         json_file.write_text(text + "\n", encoding="utf-8")
+    if report is not None:
+        evaluation_report.write(report, dataset, runs, captures, time.perf_counter() - start)
+
+
+def _more(
+    scores: Scores,
+    captures: list[Capture],
+    way: FacePipeline,
+    near_frontal: set[Path] | None,
+    detail: bool,
+    against: str | None,
+    scans: Sequence[Scan],
+) -> dict[str, Any]:
+    """What --detail and --against add."""
+    masks = _masks(scores, near_frontal)
+    out = fusion.details(scores, captures, way, masks) if detail else {}
+    if against is not None:
+        rival = _adapted(load_pipeline(against), scans)
+        theirs = compare(rival, acquire(rival, over(scans, against)))
+        out["paired"] = fusion.paired(scores, theirs, against, masks)
+    return out
+
+
+def _masks(scores: Scores, near_frontal: set[Path] | None) -> dict[str, NDArray[np.bool_]]:
+    """Which probes each subset holds."""
+    everything = {"all": np.ones(len(scores.probes), bool)}
+    keep = np.array([c.scan.path in (near_frontal or ()) for c in scores.probes])
+    return {"near_frontal": keep, **everything} if keep.any() else everything
 
 
 def _adapted(way: FacePipeline, scans: Sequence[Scan]) -> FacePipeline:
@@ -137,12 +189,8 @@ def _variants(way: FacePipeline, name: str, grid: bool) -> list[tuple[str, FaceP
 
 
 def _subsets(scores: Scores, near_frontal: set[Path] | None, fmr: float | None) -> dict[str, Rates]:
-    subsets = {}
-    if near_frontal is not None:
-        keep = np.array([c.scan.path in near_frontal for c in scores.probes])
-        if keep.any():
-            subsets["near_frontal"] = rates(scores.rows(keep), fmr=fmr)
-    return {**subsets, "all": rates(scores, fmr=fmr)}
+    masks = _masks(scores, near_frontal)
+    return {subset: rates(scores.rows(keep), fmr=fmr) for subset, keep in masks.items()}
 
 
 def _print_failures(captures: Sequence[Capture]) -> None:
@@ -158,7 +206,7 @@ def _print_rates(name: str, subsets: dict[str, Rates]) -> None:
     fmr = next(iter(subsets.values())).fmr
     fnmr = f"FNMR at FMR {100 * fmr:.3g} %"
     table = Table(
-        "probes", "rank 1", "rank 5", "EER, per probe", "EER, raw", fnmr, "FTA", title=name
+        "probes", "rank 1", "rank 5", "EER, per probe", "EER, 1:1", fnmr, "FTA", title=name
     )
     for subset, r in subsets.items():
         cells = (r.rank1, r.rank5, r.eer, r.eer_raw, r.fnmr, r.fta)

@@ -21,18 +21,25 @@ _COLOURS = {Verdict.ACCEPTED: "green", Verdict.UNKNOWN: "red", Verdict.CANNOT_TE
 
 
 def enroll(
-    subject: str, files: Sequence[Path], gallery: str, model: Path | None, camera: Path | None
+    subject: str,
+    files: Sequence[Path],
+    gallery: str,
+    model: Path | None,
+    camera: Path | None,
+    *,
+    keep_frontal: bool,
 ) -> None:
     """Enrol; the line is printed only after the template is safe on the disk."""
     recognizer = load_model(model)
     with open_gallery(gallery) as opened:
-        trace = _trace(recognizer, files, camera)
+        trace = look(recognizer, files, camera)
         if trace.frontal is None:
             raise NoFaceError(f"{files[0]}: not enrolled: {trace.reason}")
         if trace.assessment is not None and not trace.assessment.usable:
             reasons = ", ".join(trace.assessment.refusals)
             raise NoFaceError(f"{files[0]}: not enrolled: {reasons}")
-        opened.enroll(subject, recognizer.template(trace, augment=True))
+        template = recognizer.template(trace, augment=True)
+        opened.enroll(subject, template, frontal=trace.frontal if keep_frontal else None)
         count = len(opened.subjects())
     console.print(f"enrolled {escape(subject)} ({count} people in {escape(gallery)})")
 
@@ -48,7 +55,7 @@ def verify(
     """Print the decision; exit status 1 unless accepted."""
     recognizer = load_model(model)
     with open_gallery(gallery, create=False) as opened:
-        trace = _trace(recognizer, files, camera)
+        trace = look(recognizer, files, camera)
         _answer(recognizer.verify(trace, subject, opened, fmr=fmr))
 
 
@@ -58,7 +65,7 @@ def identify(
     """Print the decision; exit status 1 unless accepted."""
     recognizer = load_model(model)
     with open_gallery(gallery, create=False) as opened:
-        trace = _trace(recognizer, files, camera)
+        trace = look(recognizer, files, camera)
         _answer(recognizer.identify(trace, opened, fmr=fmr))
 
 
@@ -78,7 +85,8 @@ def delete(subject: str, gallery: str) -> None:
     console.print(f"deleted {escape(subject)} ({count} templates)")
 
 
-def _trace(recognizer: FaceRecognizer, files: Sequence[Path], camera: Path | None) -> Trace:
+def look(recognizer: FaceRecognizer, files: Sequence[Path], camera: Path | None) -> Trace:
+    """Read the scan, or the frames that are combined, and follow the face in it."""
     intrinsics = None if camera is None else read_camera(camera).camera
     frames = [read_scan(file, camera=intrinsics) for file in files]
     return recognizer.pipeline.trace(frames[0] if len(frames) == 1 else frames)

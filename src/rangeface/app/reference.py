@@ -14,7 +14,9 @@ from rangeface.types import Float32, Mask, Orthographic, RangeImage, ReferenceFa
 CAMERA = Orthographic(2.0, 39.0, 50.0, 79, 95)
 #: Behind this depth (mm from the nose tip) a head is ear and neck, not face.
 DEEPEST_MM = 105.0
-PEOPLE = 100
+PEOPLE = 200
+#: Faces move; where they do, the reference should say little.
+EXPRESSIONS = ("neutral", "smile", "neutral", "laugh", "neutral", "random")
 PATH = Path(__file__).parents[1] / "data" / "reference.npz"
 
 
@@ -24,7 +26,7 @@ def build(people: int = PEOPLE) -> ReferenceFace:
     Parameters
     ----------
     people : int
-        Number of heads behind σ.
+        Number of heads behind σ, with expressions, beards and fringes.
 
     Returns
     -------
@@ -33,7 +35,7 @@ def build(people: int = PEOPLE) -> ReferenceFace:
     """
     mean = simulate.mean_head()
     depth = _depth(mean)
-    others = np.stack([_depth(simulate.head(seed)) for seed in range(people)])
+    others = np.stack([_depth(_somebody(seed)) for seed in range(people)])
     deviation = _centred(others - depth)
     known = np.isfinite(deviation)
     square = np.where(known, deviation, 0.0) ** 2
@@ -43,6 +45,12 @@ def build(people: int = PEOPLE) -> ReferenceFace:
         np.where(usable, depth, np.nan), CAMERA, sigma=np.where(usable, sigma, np.nan)
     )
     return ReferenceFace(image, mean.landmarks, f"mean of the embedded population, {people} heads")
+
+
+def _somebody(seed: int) -> simulate.Head:
+    """Neutral or not, every fifth with a beard, every fifth with a fringe."""
+    expression = EXPRESSIONS[seed % len(EXPRESSIONS)]
+    return simulate.head(seed, expression=expression, beard=seed % 5 == 1, fringe=seed % 5 == 3)
 
 
 def _depth(head: simulate.Head) -> Float32:

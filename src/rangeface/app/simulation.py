@@ -12,7 +12,12 @@ from rangeface.app.console import console
 from rangeface.app.progress import err
 from rangeface.config import load_pipeline
 from rangeface.errors import NoFaceError, ParameterError
-from rangeface.evaluation.experiments import figures_denoise, figures_features, figures_simulation
+from rangeface.evaluation.experiments import (
+    figures_denoise,
+    figures_features,
+    figures_simulation,
+    figures_way,
+)
 from rangeface.io import read_scan, write_scan
 from rangeface.types import RangeImage
 
@@ -45,10 +50,11 @@ def collection(out: Path, *, people: int, sensor: str, distance_mm: float, seed:
 
 
 def figures(out: Path, *, scan: Path | None, seed: int) -> None:
-    """Redraw the source paper's figures 2, 3, 5, 6, 7, 9, 10 and 12."""
+    """Redraw the source paper's figures 2 to 12."""
     figures_simulation.run(seed=seed, folder=out)
     figures_features.draw(_frontal(scan, seed), out, seed=seed)
     figures_denoise.draw(out, person=seed, seed=seed)
+    figures_way.draw(out, seed=seed)
     for path in sorted(out.glob("*.png")):
         console.print(str(path), markup=False, highlight=False)
 

@@ -16,7 +16,8 @@ from rangeface.classify._mlda import MLDA
 from rangeface.classify._pca import PCA
 from rangeface.classify._pearson import PearsonMatcher, WarpedPearsonMatcher
 from rangeface.classify._regularized_lda import RegularizedLDA
-from rangeface.classify._state import fitted_state, restore
+from rangeface.classify._state import fitted_state, restore, rounded
+from rangeface.classify._surface import SurfaceMatcher
 from rangeface.classify._svm import SVM
 from rangeface.classify._whitened_pca import WhitenedPCA
 
@@ -33,6 +34,7 @@ METHODS: dict[str, type[Matcher]] = {
     "histogram": HistogramMatcher,
     "pearson": PearsonMatcher,
     "warped-pearson": WarpedPearsonMatcher,
+    "surface": SurfaceMatcher,
 }
 
 #: Those that learn from people's names; the others need only samples, or nothing at all.
@@ -52,8 +54,10 @@ __all__ = [
     "Matcher",
     "PearsonMatcher",
     "RegularizedLDA",
+    "SurfaceMatcher",
     "WarpedPearsonMatcher",
     "WhitenedPCA",
     "fitted_state",
     "restore",
+    "rounded",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +18,11 @@ Float32 = NDArray[np.float32]
 
 class Matcher(TransformerMixin, BaseEstimator):
     """An estimator with ``fit``, ``transform`` → (n, D) float32 and ``similarity`` → (n, m)."""
+
+    #: Whether a template gains by rotated views; not where the matcher aligns by itself.
+    needs_rotated_views: ClassVar[bool] = True
+    #: Whether each pair costs so much that a large gallery needs a shortlist.
+    pairwise: ClassVar[bool] = False
 
     metric: str
     n_features_in_: int

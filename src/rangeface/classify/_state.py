@@ -65,3 +65,35 @@ def restore(kind: type[T], params: Mapping[str, Any], state: Mapping[str, Any]) 
     for name, value in state.items():
         setattr(estimator, name, value)
     return estimator
+
+
+def rounded(estimator: T) -> T:
+    """The fitted estimator with its projection rounded to half precision, for a small file.
+
+    Every number becomes a power of two, common to all, times a half-precision number: 11
+    significant bits. Scores move by less than 1e-3 of their range.
+
+    Parameters
+    ----------
+    estimator : estimator
+        Fitted; changed in place.
+
+    Returns
+    -------
+    estimator
+        The same one.
+
+    Examples
+    --------
+    >>> from rangeface.classify import PCA
+    >>> pca = PCA(1).fit([[0.0, 1.0], [2.0, 1.1]])
+    >>> before = pca.components_.copy()
+    >>> float(abs(rounded(pca).components_ / before - 1).max()) < 2**-11
+    True
+    """
+    components = getattr(estimator, "components_", None)
+    if isinstance(components, np.ndarray) and components.dtype == np.float32:
+        exponent = int(np.frexp(np.abs(components).max())[1])
+        half = np.ldexp(components, -exponent).astype(np.float16)
+        estimator.components_ = np.ldexp(half.astype(np.float32), exponent)
+    return estimator

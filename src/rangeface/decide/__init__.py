@@ -14,12 +14,14 @@ from rangeface.decide._llr import LlrFusion
 from rangeface.decide._norms import robust_norm, s_norm, t_norm, z_norm
 from rangeface.decide._open_set import open_set, refuse, verify
 from rangeface.decide._per_subject import per_subject
+from rangeface.decide._pooled import no_norm, pooled_norm
 from rangeface.decide._sequence import SEQUENCE, decide_sequence, majority_vote, sum_of_scores
 from rangeface.decide._sequential import Stopped, sequential
 from rangeface.decide._threshold import threshold_at_fmr
 
 METHODS: dict[str, Callable[..., Any]] = {"open-set": open_set}
 FUSE: dict[str, Callable[..., Any]] = {"sum": sum_rule, "weighted": weighted_sum, "llr": linear_llr}
+PER_HEAD: dict[str, Callable[..., Any]] = {"none": no_norm, "pooled": pooled_norm}
 NORMALISE: dict[str, Callable[..., Any]] = {
     "z": z_norm,
     "t": t_norm,
@@ -31,14 +33,17 @@ __all__ = [
     "FUSE",
     "METHODS",
     "NORMALISE",
+    "PER_HEAD",
     "SEQUENCE",
     "LlrFusion",
     "Stopped",
     "decide_sequence",
     "linear_llr",
     "majority_vote",
+    "no_norm",
     "open_set",
     "per_subject",
+    "pooled_norm",
     "refuse",
     "robust_norm",
     "s_norm",

@@ -5,16 +5,17 @@ import numpy as np
 from rangeface.denoise._dtcwt import dtcwt
 from rangeface.denoise._noise import sigma_map
 from rangeface.denoise._normalized_convolution import normalized_convolution
-from rangeface.types import RangeImage
+from rangeface.types import RangeImage, revision
 
-# structure of a face that is wider than this survives any noise worth denoising
-_COARSEST_MM = 32.0
+# wider structure is averaged over enough pixels to survive any noise worth denoising
+_COARSEST_MM = 10.0
 # noise far below the relief that tells faces apart is left alone
 _NEGLIGIBLE_MM = 0.05
 # with fewer neighbours than holes, sub-bands would judge what was filled in
 _SPARSE = 0.4
 
 
+@revision(2)
 def auto(image: RangeImage) -> RangeImage:
     """Choose method and strength from the noise, the valid fraction and the resolution.
 
@@ -23,7 +24,7 @@ def auto(image: RangeImage) -> RangeImage:
     * Where less than 0.4 of the valid pixels' bounding box is valid: `normalized_convolution`
       without filling, as wide as one pixel.
     * Otherwise `dtcwt` with Wiener shrinkage, whose strength is σ itself, down to structures
-      of about 32 mm: 1 to 6 levels by the footprint of a pixel.
+      of about 10 mm: 2 to 6 levels by the footprint of a pixel.
 
     Parameters
     ----------
@@ -61,5 +62,5 @@ def auto(image: RangeImage) -> RangeImage:
     if len(rows) < _SPARSE * box:
         return normalized_convolution(image, sigma_px=1.0, fill=False)
     pixel_mm = image.camera.pixel_mm(float(np.nanmean(image.depth)))
-    levels = int(np.clip(np.round(np.log2(_COARSEST_MM / pixel_mm)), 1, 6))
+    levels = int(np.clip(np.round(np.log2(_COARSEST_MM / pixel_mm)), 2, 6))
     return dtcwt(image, shrinkage="wiener", levels=levels)

@@ -35,6 +35,7 @@ from rangeface.describe._normals import normals
 from rangeface.describe._normals_covariance import normals_covariance
 from rangeface.describe._profiles import profiles
 from rangeface.describe._radial_curves import radial_curves
+from rangeface.describe._surface import surface
 from rangeface.describe._tdlbp import tdlbp
 from rangeface.describe._tdlbp_histogram import tdlbp_histogram
 from rangeface.describe._vertical_profile import symmetry_line, vertical_curve, vertical_profile
@@ -58,6 +59,7 @@ _INF = float("inf")
 METHODS = {
     "depth": depth,
     "depth_levels": depth_levels,
+    "surface": surface,
     "normals": normals,
     "n3": n3,
     "normal_angle": normal_angle,
@@ -85,6 +87,7 @@ METHODS = {
 OUTPUTS = {
     "depth": Output("image", -_INF, _INF),
     "depth_levels": Output("image", 0.0, 255.0),
+    "surface": Output("channels", -_INF, _INF),
     "normals": Output("channels", -1.0, 1.0),
     "n3": Output("image", 0.0, 1.0),
     "normal_angle": Output("image", -_INF, _INF),
@@ -144,6 +147,7 @@ __all__ = [
     "profile_height",
     "profiles",
     "radial_curves",
+    "surface",
     "symmetry_line",
     "tdlbp",
     "tdlbp_histogram",

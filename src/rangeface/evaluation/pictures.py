@@ -151,12 +151,51 @@ def _quality(trace: Trace) -> str:
 
 
 def _figure(count: int) -> tuple[Figure, Sequence[Axes]]:
+    figure = canvas((1.9 * count, 3.1))
+    return figure, list(np.atleast_1d(figure.subplots(1, count)))
+
+
+def heat_map(
+    values: NDArray[np.float64],
+    columns: Sequence[str],
+    rows: Sequence[str],
+    x: str,
+    y: str,
+    *,
+    level: float = 95.0,
+) -> Figure:
+    """A table of percentages in colours, its numbers in it, cells from `level` on framed."""
+    figure = canvas((1.1 * len(columns) + 1.6, 0.62 * len(rows) + 1.2))
+    axis = figure.subplots()
+    axis.imshow(values, cmap="viridis", vmin=0.0, vmax=100.0, aspect="auto")
+    for (row, column), value in np.ndenumerate(values):
+        good = value >= level
+        colour = "black" if value > 60.0 else "white"
+        weight = "bold" if good else "normal"
+        axis.text(column, row, f"{value:.0f}", ha="center", va="center", color=colour,
+                  weight=weight)  # fmt: skip
+        if good:
+            axis.add_patch(_frame(column, row))
+    axis.set_xticks(range(len(columns)), columns)
+    axis.set_yticks(range(len(rows)), rows)
+    axis.set(xlabel=x, ylabel=y)
+    return figure
+
+
+def _frame(column: int, row: int) -> Any:
+    from matplotlib.patches import Rectangle
+
+    return Rectangle((column - 0.46, row - 0.46), 0.92, 0.92, fill=False, edgecolor="black", lw=1.5)
+
+
+def canvas(size: tuple[float, float]) -> Figure:
+    """An empty figure of this size, inches."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(1.9 * count, 3.1), layout="constrained")
+    figure = Figure(figsize=size, layout="constrained")
     FigureCanvasAgg(figure)
-    return figure, list(np.atleast_1d(figure.subplots(1, count)))
+    return figure
 
 
 def png(figure: Figure, *, dpi: int = 110) -> bytes:
@@ -168,12 +207,8 @@ def png(figure: Figure, *, dpi: int = 110) -> bytes:
 
 def tile(pictures: Sequence[NDArray[np.float64]], titles: Sequence[str], *, columns: int) -> Figure:
     """Pictures side by side, row by row, each under its title."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     rows = -(-len(pictures) // columns)
-    figure = Figure(figsize=(1.5 * columns, 1.75 * rows), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = canvas((1.5 * columns, 1.75 * rows))
     axes = np.atleast_1d(figure.subplots(rows, columns)).ravel()
     for axis in axes:
         axis.set_axis_off()

@@ -1,157 +1,31 @@
-"""Run a protocol: enrol the gallery, compare every probe, rate the scores."""
+"""Run a protocol: learn, enrol the gallery, score every probe."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, TypeAlias
+from collections.abc import Sequence
 
 import numpy as np
 
-from rangeface.decide import t_norm
-from rangeface.errors import DegenerateError, NoFaceError, ScanError
-from rangeface.evaluation.error_rates import (
-    Rate,
-    eer,
-    failure_to_acquire,
-    fnmr_at_fmr,
-    mated_nonmated,
-    rank_k,
-)
-from rangeface.gallery import stack
-from rangeface.numerics.statistics import rule_of_three
+from rangeface.errors import DegenerateError, NoFaceError
+from rangeface.evaluation.captures import Capture, Views, acquire, stage_times
+from rangeface.evaluation.scores import Rates, Scores, rates
+from rangeface.gallery import View, stack
 from rangeface.pipeline import FacePipeline, Trace
-from rangeface.types import Float64, RangeImage, Scan
+from rangeface.recognizer import FaceRecognizer
+from rangeface.types import Float64, Template
 
-
-@dataclass(frozen=True, eq=False)
-class Capture:
-    """A scan and how far it came: its trace, or the error that its file gave.
-
-    Parameters
-    ----------
-    scan : Scan
-    trace : Trace, optional
-        None if the file could not be read.
-    failure : str
-        Why there is no frontal image; "" if there is one.
-    """
-
-    scan: Scan
-    trace: Trace | None
-    failure: str = ""
-
-    @property
-    def acquired(self) -> bool:
-        """Whether it reached the frontal grid."""
-        return self.trace is not None and self.trace.frontal is not None
-
-
-#: Capture → its frontal image and the rotated ones.
-Views: TypeAlias = dict[Capture, list[RangeImage]]
-
-
-@dataclass(frozen=True, eq=False)
-class Scores:
-    """Every probe against every enrolled person.
-
-    Parameters
-    ----------
-    table : (n, m) float64
-        Higher = more alike; a row of NaN is a probe that failed to acquire.
-    probes : tuple of Capture
-    people : tuple of str
-        Columns.
-    enrolled : int
-        People with a template; the others' columns are NaN.
-    fingerprint : str
-        Of the fitted pipeline.
-    match_ms : float
-        Median time from features to scores of one probe.
-    """
-
-    table: Float64
-    probes: tuple[Capture, ...]
-    people: tuple[str, ...]
-    enrolled: int
-    fingerprint: str
-    match_ms: float
-
-    @property
-    def probe_subjects(self) -> tuple[str, ...]:
-        """Who each row shows."""
-        return tuple(capture.scan.subject for capture in self.probes)
-
-    def rows(self, keep: Sequence[bool] | np.ndarray) -> Scores:
-        """The same scores, of some of the probes."""
-        chosen = np.flatnonzero(np.asarray(keep, dtype=bool))
-        return replace(self, table=self.table[chosen], probes=tuple(self.probes[i] for i in chosen))
-
-
-@dataclass(frozen=True)
-class Rates:
-    """The rates of one set of probes.
-
-    Parameters
-    ----------
-    n : int
-        Number of probes.
-    rank1, rank5 : Rate
-        Closed-set identification; a failure to acquire is a miss.
-    eer, eer_raw : Rate
-        Equal error rate of the scores normalised per probe over the gallery, and of raw ones.
-    fta : Rate
-        Failures to acquire.
-    fmr : float
-        False match rate that `fnmr` belongs to.
-    fnmr : Rate
-        False non-match rate at that false match rate, of the normalised scores.
-    """
-
-    n: int
-    rank1: Rate
-    rank5: Rate
-    eer: Rate
-    eer_raw: Rate
-    fta: Rate
-    fmr: float
-    fnmr: Rate
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain numbers, rates in 0 … 1."""
-        out: dict[str, Any] = {"n": self.n}
-        for name in ("rank1", "rank5", "eer", "eer_raw"):
-            rate: Rate = getattr(self, name)
-            out[name] = {"rate": rate.rate, "low": rate.low, "high": rate.high}
-        fnmr = {"rate": self.fnmr.rate, "low": self.fnmr.low, "high": self.fnmr.high}
-        out["fnmr_at_fmr"] = {"fmr": self.fmr, **fnmr}
-        out["fta"] = self.fta.rate
-        return out
-
-
-def acquire(pipeline: FacePipeline, scans: Iterable[Scan]) -> list[Capture]:
-    """Load and trace every scan; what fails is counted, and the run goes on.
-
-    Parameters
-    ----------
-    pipeline : FacePipeline
-        Fitted or not: only what stands before the heads matters.
-    scans : iterable of Scan
-
-    Returns
-    -------
-    list of Capture
-        One a scan, in order.
-    """
-    captures = []
-    for scan in scans:
-        try:
-            trace = pipeline.trace(scan.load())
-            captures.append(Capture(scan, trace, trace.reason.value if trace.reason else ""))
-        except ScanError as error:
-            captures.append(Capture(scan, None, f"{error.fault}: {error.detail}"))
-    return captures
+__all__ = [
+    "Capture",
+    "Rates",
+    "Scores",
+    "Views",
+    "acquire",
+    "compare",
+    "rates",
+    "score",
+    "stage_times",
+]
 
 
 def compare(
@@ -177,11 +51,49 @@ def compare(
     Returns
     -------
     Scores
+        Normalised against the gallery: there is no cohort.
 
     Raises
     ------
     NoFaceError
         No training capture or no gallery capture shows a face.
+    DegenerateError
+        There is no gallery or no probe.
+    """
+    if training is None:
+        training = [c for c in captures if c.scan.role == "train"]
+        training = training or [c for c in captures if c.scan.role == "gallery"]
+    usable = [c for c in training if c.acquired]
+    if not usable:
+        raise NoFaceError(f"no face in any of {len(training)} training scans")
+    views = {} if views is None else views
+    _add_views(views, pipeline, usable)
+    fitted = pipeline.fit_views([views[c] for c in usable], [c.scan.subject for c in usable])
+    return score(FaceRecognizer(fitted), captures, views=views)
+
+
+def score(
+    recognizer: FaceRecognizer, captures: Sequence[Capture], *, views: Views | None = None
+) -> Scores:
+    """Enrol the gallery with a model and score every probe; nothing is learned here.
+
+    Parameters
+    ----------
+    recognizer : FaceRecognizer
+        Its pipeline made the captures' traces.
+    captures : sequence of Capture
+        Roles "gallery" and "probe".
+    views : dict, optional
+        As for `compare`.
+
+    Returns
+    -------
+    Scores
+
+    Raises
+    ------
+    NoFaceError
+        No gallery capture shows a face.
     DegenerateError
         There is no gallery or no probe.
     """
@@ -191,99 +103,66 @@ def compare(
         raise DegenerateError(
             f"{len(gallery)} gallery scans and {len(probes)} probes: both are needed"
         )
-    if training is None:
-        training = [c for c in captures if c.scan.role == "train"] or gallery
-    usable = [c for c in training if c.acquired]
     enrolled = [c for c in gallery if c.acquired]
-    if not usable or not enrolled:
-        raise NoFaceError(
-            f"no face in any of {len(gallery)} gallery and {len(training)} training scans"
-        )
+    if not enrolled:
+        raise NoFaceError(f"no face in any of {len(gallery)} gallery scans")
     views = {} if views is None else views
-    for capture in (*usable, *enrolled):
-        if capture not in views:
-            views[capture] = pipeline.views(_trace(capture))
-    fitted = pipeline.fit_views([views[c] for c in usable], [c.scan.subject for c in usable])
+    way = recognizer.pipeline
+    _add_views(views, way, enrolled)
     references = stack(
-        ((c.scan.subject, fitted.template_of(views[c])) for c in enrolled), fitted.fingerprint
+        ((c.scan.subject, way.template_of(views[c])) for c in enrolled), way.fingerprint
     )
     people = tuple(sorted({c.scan.subject for c in gallery}))
     column = [people.index(subject) for subject in references.subjects]
-    table = np.full((len(probes), len(people)), np.nan)
+    heads = np.full((len(way.heads), len(probes), len(people)), np.nan)
+    raw = heads.copy()
     times = []
-    for row, capture in zip(table, probes, strict=True):
+    for k, capture in enumerate(probes):
         if capture.acquired:
             start = time.perf_counter()
-            row[column] = fitted.similarity(fitted.template(_trace(capture)), references)
+            probe = way.template(_trace(capture))
+            own = way.head_scores(probe, references)
+            cohort = recognizer.cohort and way.head_scores(probe, recognizer.cohort)
+            raw[:, k, column], heads[:, k, column] = own, way.normalise(own, cohort)
             times.append(1e3 * (time.perf_counter() - start))
+    centre, spread = _fixed_scale(
+        way, [way.template_of(views[c][:1]) for c in enrolled], references
+    )
+    fixed = (raw - centre) / spread
     return Scores(
-        table, probes, people, len(references.subjects), fitted.fingerprint,
+        heads,
+        fixed,
+        np.asarray(way.fuse(heads), np.float64),
+        np.asarray(way.fuse(fixed), np.float64),
+        probes,
+        people,
+        len(references.subjects),
+        way.fingerprint,
         float(np.median(times)) if times else float("nan"),
-    )  # fmt: skip
+    )
+
+
+def _fixed_scale(
+    way: FacePipeline, templates: Sequence[Template], references: View
+) -> tuple[Float64, Float64]:
+    """Each head's median and spread (H, 1, 1) over comparisons of different enrolled people."""
+    scores = np.stack([way.head_scores(t, references) for t in templates], axis=1)
+    best = np.nan_to_num(scores, nan=-np.inf).argmax(axis=2)  # a face is nearest to itself
+    np.put_along_axis(scores, best[..., None], np.nan, axis=2)
+    flat = scores.reshape(len(scores), -1)
+    known = ~np.isnan(flat).all(axis=1)
+    centre, spread = np.zeros(len(flat)), np.ones(len(flat))
+    centre[known] = np.nanmedian(flat[known], axis=1)
+    spread[known] = np.nanmedian(np.abs(flat[known] - centre[known, None]), axis=1)
+    return centre[:, None, None], np.where(spread > 0, spread, 1.0)[:, None, None]
+
+
+def _add_views(views: Views, pipeline: FacePipeline, captures: Sequence[Capture]) -> None:
+    for capture in captures:
+        if capture not in views:
+            views[capture] = pipeline.views(_trace(capture))
 
 
 def _trace(capture: Capture) -> Trace:
     assert capture.trace is not None
     return capture.trace
-
-
-def rates(scores: Scores, *, fmr: float | None = None) -> Rates:
-    """Rate a table of scores.
-
-    Parameters
-    ----------
-    scores : Scores
-        At least one probe; people who failed to enrol count against their probes.
-    fmr : float, optional
-        False match rate at which the false non-match rate is given, at least
-        3 / number of different-person comparisons. Default: 1 %, or that bound where it is larger.
-
-    Returns
-    -------
-    Rates
-
-    Raises
-    ------
-    DegenerateError
-        There is no probe.
-    ParameterError
-        So few comparisons cannot show this `fmr`.
-    """
-    table, subjects, people = scores.table, scores.probe_subjects, scores.people
-    if len(table) == 0:
-        raise DegenerateError("no probe to rate")
-    normalised = t_norm(table) if scores.enrolled > 1 else table
-    mated, nonmated = mated_nonmated(normalised, subjects, people)
-    if fmr is None:
-        fmr = min(max(0.01, rule_of_three(int(np.count_nonzero(~np.isnan(nonmated))))), 0.99)
-    return Rates(
-        n=len(table),
-        rank1=rank_k(table, subjects, people, k=1),
-        rank5=rank_k(table, subjects, people, k=5),
-        eer=eer(mated, nonmated),
-        eer_raw=eer(*mated_nonmated(table, subjects, people)),
-        fta=failure_to_acquire(table),
-        fmr=fmr,
-        fnmr=fnmr_at_fmr(mated, nonmated, fmr),
-    )
-
-
-def stage_times(captures: Sequence[Capture], match_ms: float) -> dict[str, float]:
-    """Median milliseconds of each stage over all captures that reached it.
-
-    Parameters
-    ----------
-    captures : sequence of Capture
-    match_ms : float
-        Time from features to scores.
-
-    Returns
-    -------
-    dict of str to float
-    """
-    times: dict[str, list[float]] = {}
-    for capture in captures:
-        for stage, ms in (capture.trace.times_ms if capture.trace else {}).items():
-            times.setdefault(stage, []).append(ms)
-    medians = {stage: round(float(np.median(values)), 3) for stage, values in times.items()}
-    return {**medians, "match": round(match_ms, 3)}

@@ -8,8 +8,11 @@ from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
 
+#: Tables of more columns are set smaller.
+_WIDE = 7
+
 _STYLE = """
-body { font: 16px/1.5 system-ui, sans-serif; max-width: 68rem; margin: 2rem auto; padding: 0 1rem;
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 76rem; margin: 2rem auto; padding: 0 1rem;
        color: #1b1b1b; background: #fff; }
 h1 { font-size: 1.7rem; } h2 { font-size: 1.25rem; margin-top: 2.2rem; }
 table { border-collapse: collapse; margin: 1rem 0; }
@@ -19,11 +22,19 @@ img { max-width: 100%; height: auto; display: block; }
 figure { margin: 1rem 0; } figcaption { color: #555; font-size: .9rem; }
 .scroll { overflow-x: auto; }
 footer { margin-top: 3rem; color: #555; font-size: .85rem; }
+table.wide { font-size: .85rem; } .wide th, .wide td { padding: .2rem .4rem; }
+td small { color: #555; } td i { color: #777; }
 @media (prefers-color-scheme: dark) {
   body { color: #e8e8e8; background: #161616; } th, td { border-color: #444; }
-  figcaption, footer { color: #aaa; } img { background: #fff; }
+  figcaption, footer, td small, td i { color: #aaa; } img { background: #fff; }
 }
-@media print { figure, table { break-inside: avoid; } }
+@page { size: A4 landscape; margin: 12mm; }
+@media print {
+  body { font-size: 9pt; max-width: none; margin: 0; padding: 0; color: #000; background: #fff; }
+  th, td { padding: .1rem .3rem; } .scroll { overflow-x: visible; }
+  figure, tr, h2 { break-inside: avoid; } h2 { break-after: avoid; }
+  thead { display: table-header-group; }
+}
 """
 
 
@@ -47,14 +58,18 @@ class Report:
         """Add a paragraph."""
         self._parts.append(f"<p>{escape(text)}</p>")
 
+    def points(self, texts: Sequence[str]) -> None:
+        """Add a list of short paragraphs."""
+        self._parts.append("<ul>" + "".join(f"<li>{escape(t)}</li>" for t in texts) + "</ul>")
+
     def table(self, header: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
-        """Add a table; cells are printed as they are."""
+        """Add a table; cells are printed as they are, or as they draw themselves in HTML."""
         head = "".join(f"<th>{escape(cell)}</th>" for cell in header)
         body = "".join(
-            "<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in row) + "</tr>"
-            for row in rows
+            "<tr>" + "".join(f"<td>{_html(cell)}</td>" for cell in row) + "</tr>" for row in rows
         )
-        table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+        width = ' class="wide"' if len(header) > _WIDE else ""
+        table = f"<table{width}><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
         self._parts.append(f'<div class="scroll">{table}</div>')
 
     def picture(self, png: bytes, caption: str) -> None:
@@ -82,3 +97,8 @@ class Report:
             f"<footer>{escape(provenance)}</footer></body></html>\n"
         )
         path.write_text(page, encoding="utf-8")
+
+
+def _html(cell: object) -> str:
+    draw = getattr(cell, "_repr_html_", None)
+    return escape(str(cell)) if draw is None else str(draw())

@@ -160,12 +160,12 @@ def capture(
         roll_deg=roll,
         nose_tip_mm=(x, y, distance_mm),
     )
-    model = replace(model, camera=_window(model.camera, distance_mm))
+    model = replace(model, camera=window(model.camera, distance_mm))
     scene = simulate.render(head, model.camera, pose, oversample=3)
     return list(simulate.frames(scene, model, frames, rng=rng))
 
 
-def _window(camera: Pinhole, distance_mm: float) -> Pinhole:
+def window(camera: Pinhole, distance_mm: float) -> Pinhole:
     """The part of a camera's image that a head before it covers, as a region of interest."""
     half_width, above, below = (
         int(mm / camera.pixel_mm(distance_mm)) for mm in (170.0, 190.0, 170.0)

@@ -14,12 +14,13 @@ from rangeface.types import Scan
 #: Training people are numbered from here, so that no evaluation meets them.
 FIRST_PERSON = 1_000_000
 
-#: (sensor, distance mm, frames): noise from well below 1 mm to about 7 mm on the face.
+#: (sensor, distance mm, frames, largest yaw °): noise from well below 1 mm to about 7 mm on the
+#: face, and heads turned until part of a cheek is hidden.
 CAMERAS = (
-    ("sr3000", 400.0, 10),
-    ("kinect-v2", 700.0, 1),
-    ("pmd-flexx2", 450.0, 3),
-    ("sr3000", 450.0, 3),
+    ("sr3000", 400.0, 10, 10.0),
+    ("kinect-v2", 700.0, 1, 30.0),
+    ("pmd-flexx2", 450.0, 3, 20.0),
+    ("sr3000", 450.0, 3, 30.0),
 )
 EXPRESSIONS = ("neutral", "smile", "laugh", "neutral")
 
@@ -53,10 +54,10 @@ def training_scans(people: int, seed: int = 0) -> list[Scan]:
 def _person(person: int) -> list[Scan]:
     rng = np.random.default_rng([person, 0x7A11])
     scans = []
-    for session, ((sensor, distance, frames), expression) in enumerate(
+    for session, ((sensor, distance, frames, turn), expression) in enumerate(
         zip(CAMERAS, EXPRESSIONS, strict=True)
     ):
-        yaw, pitch = rng.uniform(-15.0, 15.0), rng.uniform(-8.0, 8.0)
+        yaw, pitch = rng.uniform(-turn, turn), rng.uniform(-0.5 * turn, 0.5 * turn)
         visit = Visit(f"visit-{session}", expression, session, float(yaw), float(pitch))
         loader = partial(
             capture, person=person, visit=visit, sensor=sensor, distance_mm=distance, frames=frames

@@ -10,13 +10,18 @@ from rangeface.gallery._protocol import (
     AuditEntry,
     Consent,
     Gallery,
+    NotEnrolledError,
     View,
     check_fingerprint,
     stack,
 )
+from rangeface.gallery._record import decode as template_from_bytes
+from rangeface.gallery._record import decode_frontal as frontal_from_bytes
+from rangeface.gallery._record import encode as template_to_bytes
+from rangeface.gallery._record import encode_frontal as frontal_to_bytes
 from rangeface.gallery._sqlite import SqliteGallery
 from rangeface.gallery._transfer import export_gallery, import_gallery
-from rangeface.gallery._vault import read_key
+from rangeface.gallery._vault import KEY_VARIABLE, read_key
 
 
 def open_gallery(
@@ -60,16 +65,22 @@ def open_gallery(
 
 
 __all__ = [
+    "KEY_VARIABLE",
     "AuditEntry",
     "Consent",
     "Gallery",
     "MemoryGallery",
+    "NotEnrolledError",
     "SqliteGallery",
     "View",
     "check_fingerprint",
     "export_gallery",
+    "frontal_from_bytes",
+    "frontal_to_bytes",
     "import_gallery",
     "open_gallery",
     "read_key",
     "stack",
+    "template_from_bytes",
+    "template_to_bytes",
 ]

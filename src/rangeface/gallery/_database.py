@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import random
 import sqlite3
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -39,6 +41,7 @@ class Database:
         self.path = path
         self._lock = RLock()
         self._undone = 0
+        self._timeout_s = timeout_s
         with self._guard():
             self.connection = sqlite3.connect(
                 path, timeout=timeout_s, isolation_level=None, check_same_thread=False
@@ -84,7 +87,7 @@ class Database:
     def transaction(self, *, write: bool = False) -> Iterator[None]:
         """All or nothing, on one state of the file; a write is durable when this is left."""
         with self._lock, self._guard():
-            self.connection.execute("BEGIN IMMEDIATE" if write else "BEGIN")
+            self._begin(write)
             try:
                 yield
                 self.connection.execute("COMMIT")
@@ -93,6 +96,29 @@ class Database:
                 if self.connection.in_transaction:
                     self.connection.execute("ROLLBACK")
                 raise
+
+    def _begin(self, write: bool) -> None:
+        """Take the lock, asking often: SQLite's own waiting sleeps 100 ms and can starve."""
+        deadline = time.monotonic() + self._timeout_s
+        self.connection.execute("PRAGMA busy_timeout = 0")
+        try:
+            while not self._began(write, last=time.monotonic() > deadline):
+                time.sleep(random.uniform(0.0005, 0.003))
+        finally:
+            self.connection.execute(f"PRAGMA busy_timeout = {int(1000 * self._timeout_s)}")
+
+    def _began(self, write: bool, *, last: bool) -> bool:
+        try:
+            self.connection.execute("BEGIN IMMEDIATE" if write else "BEGIN")
+            if not write:  # only now is the file locked for reading
+                self.connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
+        except sqlite3.OperationalError as error:
+            if self.connection.in_transaction:
+                self.connection.execute("ROLLBACK")
+            if last or error.sqlite_errorcode & 0xFF != sqlite3.SQLITE_BUSY:
+                raise
+            return False
+        return True
 
     def copy_to(self, target: Path) -> None:
         """Replace the contents of another file by those of this one, in one transaction."""

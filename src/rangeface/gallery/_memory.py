@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from datetime import UTC, date, datetime
 from itertools import count
 from threading import RLock
@@ -12,6 +12,7 @@ from rangeface.errors import GalleryError
 from rangeface.gallery._protocol import (
     AuditEntry,
     Consent,
+    NotEnrolledError,
     Record,
     View,
     check_fingerprint,
@@ -19,7 +20,7 @@ from rangeface.gallery._protocol import (
     check_subject,
     stack,
 )
-from rangeface.types import Template
+from rangeface.types import Assessment, RangeImage, Template
 
 
 class MemoryGallery:
@@ -54,8 +55,17 @@ class MemoryGallery:
         """Of the model that made the templates; None where nobody is enrolled."""
         return self._records[0][1].fingerprint if self._records else None
 
-    def enroll(self, subject: str, template: Template, *, consent: Consent | None = None) -> None:
-        """Add a template of a person; a new consent replaces the old."""
+    def enroll(
+        self,
+        subject: str,
+        template: Template,
+        *,
+        consent: Consent | None = None,
+        frontal: RangeImage | None = None,
+    ) -> None:
+        """Add a template of a person; a new consent replaces the old; no image is kept."""
+        if frontal is not None:
+            raise GalleryError("memory://: a frontal image is kept only in an encrypted gallery")
         self.enroll_many([(subject, template, consent)])
 
     def enroll_many(self, records: Iterable[Record]) -> None:
@@ -73,6 +83,12 @@ class MemoryGallery:
                 self._consents[subject] = consent or self._consents.get(subject)
                 self._log.append(AuditEntry(datetime.now(UTC), "enrolled", self._number(subject)))
             self._view = None
+
+    def rebuild(self, make: Callable[[RangeImage, Assessment | None], Template]) -> int:
+        """Refuse, unless nobody is enrolled: there are no frontal images."""
+        if self._records:
+            raise GalleryError("memory://: no frontal image of anybody; enrol again")
+        return 0
 
     def delete(self, subject: str) -> int:
         """Remove all templates of a person; gives their number."""
@@ -133,4 +149,4 @@ class MemoryGallery:
 
     def _check_known(self, subject: str) -> None:
         if subject not in self._consents:
-            raise GalleryError(f"memory://: {subject!r} is not enrolled")
+            raise NotEnrolledError(f"memory://: {subject!r} is not enrolled")

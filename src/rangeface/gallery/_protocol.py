@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from datetime import date, datetime
 from typing import Protocol, Self, TypeAlias
@@ -11,7 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rangeface.errors import GalleryError
-from rangeface.types import Template
+from rangeface.types import Assessment, RangeImage, Template
+
+
+class NotEnrolledError(GalleryError):
+    """Nobody of this name is enrolled."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,8 @@ class AuditEntry:
     at : datetime
         When, UTC.
     action : str
-        "enrolled", "consent", "deleted", "exported", "imported", "backed up", or the caller's.
+        "enrolled", "consent", "deleted", "rebuilt", "exported", "imported", "backed up", or the
+        caller's.
     person : int
         The person's number in this gallery, never used again; 0 where all are meant. After a
         deletion nothing tells who it was.
@@ -90,11 +95,24 @@ class Gallery(Protocol):
     def fingerprint(self) -> str | None:
         """Of the model that made the templates; None where nobody is enrolled."""
 
-    def enroll(self, subject: str, template: Template, *, consent: Consent | None = None) -> None:
-        """Add a template of a person, who may have several; a new consent replaces the old."""
+    def enroll(
+        self,
+        subject: str,
+        template: Template,
+        *,
+        consent: Consent | None = None,
+        frontal: RangeImage | None = None,
+    ) -> None:
+        """Add a template of a person, who may have several; a new consent replaces the old.
+
+        The frontal image, if one is given, is kept for `rebuild`: only where it can be sealed.
+        """
 
     def enroll_many(self, records: Iterable[Record]) -> None:
         """Add all of the (subject, template, consent), or none of them."""
+
+    def rebuild(self, make: Callable[[RangeImage, Assessment | None], Template]) -> int:
+        """Make every template anew from its frontal image, for another model; all or none."""
 
     def delete(self, subject: str) -> int:
         """Remove all templates of a person without a trace; gives their number."""
@@ -136,7 +154,7 @@ def check_fingerprint(kept: str | None, offered: str, place: str) -> None:
     if kept is not None and kept != offered:
         raise GalleryError(
             f"{place}: enrolled with model {kept[:12]}, asked with model {offered[:12]}; "
-            "use the first model, or enrol everybody again with the second"
+            "use the first model, rebuild the gallery, or enrol everybody again with the second"
         )
 
 
@@ -149,8 +167,11 @@ def check_shape(kept: Template | None, offered: Template, place: str) -> None:
         It has no vectors, or other heads or lengths than the gallery's.
     """
     widths = [v.shape[1:] for v in offered.vectors]
-    if not offered.vectors or any(v.ndim != 2 or v.size == 0 for v in offered.vectors):
-        raise GalleryError(f"{place}: a template needs (k, D) vectors, k ≥ 1, for each head")
+    shaped = all(v.ndim == 2 and v.shape[1] > 0 for v in offered.vectors)
+    if not shaped or not any(len(v) for v in offered.vectors):
+        raise GalleryError(
+            f"{place}: a template needs (k, D) vectors for each head, and k ≥ 1 for some"
+        )
     if not all(np.isfinite(v).all() for v in offered.vectors):
         raise GalleryError(f"{place}: a template must be finite")
     if kept is not None and widths != [v.shape[1:] for v in kept.vectors]:

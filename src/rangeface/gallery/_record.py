@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zlib
 from dataclasses import asdict
 from datetime import date
 from hashlib import blake2b
@@ -12,9 +13,10 @@ import numpy as np
 
 from rangeface.errors import GalleryError
 from rangeface.gallery._protocol import Consent
-from rangeface.types import Assessment, Reason, Template
+from rangeface.types import Assessment, Orthographic, RangeImage, Reason, Template
 
 _MAGIC = b"RFT1"
+_PLANES = ("depth", "sigma", "amplitude", "filled")
 
 
 def encode(template: Template) -> bytes:
@@ -53,6 +55,36 @@ def decode(record: bytes) -> Template:
         return Template(tuple(vectors), header["fingerprint"], _assessment(header["assessment"]))
     except (ValueError, KeyError, TypeError) as error:
         raise GalleryError(f"a record is no template: {error}") from error
+
+
+def encode_frontal(image: RangeImage) -> bytes:
+    """Bytes of a frontal image: a line of JSON, then its planes as packed float32."""
+    planes = {name: getattr(image, name) for name in _PLANES if getattr(image, name) is not None}
+    header = {"camera": asdict(image.camera), "planes": list(planes)}
+    flat = np.stack(list(planes.values()), dtype="<f4", casting="unsafe")
+    return json.dumps(header).encode() + b"\n" + zlib.compress(flat.tobytes())
+
+
+def decode_frontal(record: bytes) -> RangeImage:
+    """The image that `encode_frontal` wrote.
+
+    Raises
+    ------
+    GalleryError
+        The bytes are no frontal image.
+    """
+    try:
+        line, _, packed = record.partition(b"\n")
+        header = json.loads(line)
+        camera = Orthographic(**header["camera"])
+        shape = (len(header["planes"]), camera.height, camera.width)
+        flat = np.frombuffer(zlib.decompress(packed), "<f4").reshape(shape)
+        planes = dict(zip(header["planes"], flat, strict=True))
+        if "filled" in planes:
+            planes["filled"] = planes["filled"] > 0
+        return RangeImage(planes.pop("depth"), camera, **planes)
+    except (ValueError, KeyError, TypeError, zlib.error) as error:
+        raise GalleryError(f"a record is no frontal image: {error}") from error
 
 
 def consent_to_text(consent: Consent | None) -> tuple[str | None, str | None]:

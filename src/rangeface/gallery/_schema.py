@@ -39,6 +39,14 @@ MIGRATIONS = (
         ) STRICT""",
         "INSERT INTO meta VALUES ('last audit line', x'')",
     ),
+    (
+        "ALTER TABLE people ADD COLUMN sealed BLOB",
+        """CREATE TABLE images (
+            template INTEGER PRIMARY KEY REFERENCES templates (id),
+            payload BLOB NOT NULL,
+            digest BLOB NOT NULL
+        ) STRICT""",
+    ),
 )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from datetime import date
 from os import PathLike
 from pathlib import Path
@@ -21,12 +21,10 @@ from rangeface.gallery._protocol import (
     check_subject,
     stack,
 )
-from rangeface.gallery._record import consent_from_text, consent_to_text, decode, digest, encode
+from rangeface.gallery._rows import Known, Rows
 from rangeface.gallery._schema import migrate
-from rangeface.gallery._vault import KEY_VARIABLE, Vault
-from rangeface.types import Template
-
-_PROOF = b"rangeface gallery"
+from rangeface.gallery._vault import Vault
+from rangeface.types import Assessment, RangeImage, Template
 
 
 class SqliteGallery:
@@ -39,10 +37,13 @@ class SqliteGallery:
     create : bool
         Make the file where it is missing.
     key : bytes, optional
-        32 bytes: templates are sealed with AES-256-GCM under their person's name. A gallery is
-        encrypted from its first moment or never; names and consents are not.
+        32 bytes: names, consents, templates and frontal images are sealed with AES-256-GCM, each
+        under its person. A gallery is encrypted from its first moment or never. Who has the
+        file but not the key sees how many people and templates there are, when they came and
+        went (the audit log), and nothing else.
     timeout_s : float
-        How long to wait for another process's write, s.
+        How long to wait for another process's write, s; SQLite's queue is not fair, so that
+        among many busy writers one may wait long.
 
     Raises
     ------
@@ -65,20 +66,20 @@ class SqliteGallery:
         *,
         create: bool = True,
         key: bytes | None = None,
-        timeout_s: float = 10.0,
+        timeout_s: float = 60.0,
     ) -> None:
         if not create and not Path(path).is_file():
             raise GalleryError(f"{path}: no such gallery; enrol somebody first")
-        self._vault = None if key is None else Vault(key)
-        self._records: dict[int, tuple[str, bytes, Template]] = {}
+        vault = None if key is None else Vault(key)
+        self._records: dict[int, Known] = {}
         self._people: dict[int, tuple[str, Consent | None]] = {}
         self._version: tuple[int, int, int] | None = None
         self._view: tuple[date, View] | None = None
         self._db = Database(Path(path), timeout_s)
+        self._rows = Rows(self._db, vault)
         try:
-            proof = {} if self._vault is None else {"key proof": self._vault.seal(_PROOF, "")}
-            migrate(self._db, proof)
-            self._check_key()
+            migrate(self._db, self._rows.proof())
+            self._take_up()
         except BaseException:
             self._db.close()
             raise
@@ -90,36 +91,75 @@ class SqliteGallery:
             self._refresh()
             return self._fingerprint()
 
-    def enroll(self, subject: str, template: Template, *, consent: Consent | None = None) -> None:
-        """Add a template of a person; a new consent replaces the old."""
-        self.enroll_many([(subject, template, consent)])
+    def enroll(
+        self,
+        subject: str,
+        template: Template,
+        *,
+        consent: Consent | None = None,
+        frontal: RangeImage | None = None,
+    ) -> None:
+        """Add a template of a person, and the image to rebuild it from; a new consent counts."""
+        with self._db.transaction(write=True):
+            self._refresh()
+            self._put(subject, template, consent, frontal)
+            self._remember()
 
     def enroll_many(self, records: Iterable[Record]) -> None:
         """Add all of the (subject, template, consent), or none of them, in one durable write."""
         with self._db.transaction(write=True):
             self._refresh()
             for subject, template, consent in records:
-                check_subject(subject)
-                check_fingerprint(self._fingerprint(), template.fingerprint, str(self._db.path))
-                first = next((t for _, _, t in self._records.values()), None)
-                check_shape(first, template, str(self._db.path))
-                self._put_template(self._put_person(subject, consent), subject, template)
+                self._put(subject, template, consent)
             self._remember()
+
+    def rebuild(self, make: Callable[[RangeImage, Assessment | None], Template]) -> int:
+        """Make every template anew from its frontal image, for another model; all or none.
+
+        Parameters
+        ----------
+        make : callable
+            Frontal image and assessment of the capture → template.
+
+        Returns
+        -------
+        int
+            Number of templates.
+
+        Raises
+        ------
+        GalleryError
+            A template has no frontal image, or the new ones do not fit together.
+        """
+        with self._db.transaction(write=True):
+            self._refresh()
+            images = self._rows.frontals(self._records)
+            without = {n for i, (n, _, _) in self._records.items() if i not in images}
+            if without:
+                raise GalleryError(
+                    f"{self._db.path}: no frontal image of {len(without)} people, such as "
+                    f"{min(without)!r}; enrol them again with the new model, or delete them"
+                )
+            old, self._records = self._records, {}
+            for record, known in old.items():
+                new = make(images[record], known[2].assessment)
+                self._check(new)
+                self._records[record] = self._rows.replace_template(record, known, new)
+            _audit.note(self._db, "rebuilt")
+            self._remember()
+            return len(old)
 
     def delete(self, subject: str) -> int:
         """Remove all templates of a person without a trace; gives their number."""
         with self._db.transaction(write=True):
             self._refresh()
-            person, mark = self._person(subject)
-            marks = self._db.all("SELECT digest FROM templates WHERE person = ?", person)
-            self._db.run("DELETE FROM templates WHERE person = ?", person)
-            self._db.run("DELETE FROM people WHERE id = ?", person)
-            self._reseal(mark, *(m for (m,) in marks))
+            person = self._rows.person(subject)
+            count = self._rows.delete(person)
             _audit.note(self._db, "deleted", person)
             del self._people[person]
             self._records = {i: r for i, r in self._records.items() if r[0] != subject}
             self._remember()
-            return len(marks)
+            return count
 
     def subjects(self) -> tuple[str, ...]:
         """Who is enrolled, expired consents included, in the order of enrolment."""
@@ -131,13 +171,13 @@ class SqliteGallery:
         """The ground on which a person is enrolled."""
         with self._db.transaction():
             self._refresh()
-            return self._people[self._person(subject)[0]][1]
+            return self._people[self._rows.person(subject)][1]
 
     def templates(self, subject: str) -> tuple[Template, ...]:
         """Templates of a person, oldest first."""
         with self._db.transaction():
             self._refresh()
-            self._person(subject)
+            self._rows.person(subject)
             return tuple(t for name, _, t in self._records.values() if name == subject)
 
     def view(self, *, today: date | None = None) -> View:
@@ -195,37 +235,22 @@ class SqliteGallery:
     def __exit__(self, *failure: object) -> None:
         self.close()
 
-    # ── from the file to memory ──────────────────────────────────────────────────────────
+    # ── between the file and memory ──────────────────────────────────────────────────────
+
+    def _take_up(self) -> None:
+        """Check the key, and bring an older version's encryption up to date."""
+        with self._db.transaction():
+            self._rows.check_key()
+            old = self._rows.has_plain_names()
+        if old:
+            with self._db.transaction(write=True):
+                self._rows.seal_names()
 
     def _refresh(self) -> None:
         """Load what others wrote or removed since the last time, and check the seal."""
-        if self._version == self._db.version:
-            return
-        people, records, seal = {}, {}, bytes(16)
-        for person, name, reference, expires, mark in self._db.all(
-            "SELECT id, name, consent, expires, digest FROM people ORDER BY id"
-        ):
-            if mark != digest(name, reference, expires):
-                raise self._db.damaged("a record was altered")
-            people[person] = name, consent_from_text(reference, expires)
-            seal = _xor(seal, mark)
-        for record, person, mark in self._db.all("SELECT id, person, digest FROM templates"):
-            known = self._records.get(record)
-            if known is None or known[1] != mark:
-                name, _ = people.get(person, ("", None))
-                known = self._load(record, name, mark)
-            records[record] = known
-            seal = _xor(seal, mark)
-        if seal != self._seal():
-            raise self._db.damaged("records are missing")
-        self._people, self._records = people, records
-        self._remember()
-
-    def _load(self, record: int, name: str, mark: bytes) -> tuple[str, bytes, Template]:
-        (payload,) = self._db.one("SELECT payload FROM templates WHERE id = ?", record)
-        if mark != digest(name, payload):
-            raise self._db.damaged("a record was altered")
-        return name, mark, decode(self._opened(payload, name))
+        if self._version != self._db.version:
+            self._people, self._records = self._rows.read(self._records)
+            self._remember()
 
     def _remember(self) -> None:
         """What is in memory is now what is in the file."""
@@ -234,84 +259,27 @@ class SqliteGallery:
     def _fingerprint(self) -> str | None:
         return next((t.fingerprint for _, _, t in self._records.values()), None)
 
-    def _person(self, subject: str) -> tuple[int, bytes]:
-        row = self._db.find("SELECT id, digest FROM people WHERE name = ?", subject)
-        if row is None:
-            raise GalleryError(f"{self._db.path}: {subject!r} is not enrolled")
-        return row[0], row[1]
+    def _check(self, template: Template) -> None:
+        check_fingerprint(self._fingerprint(), template.fingerprint, str(self._db.path))
+        first = next((t for _, _, t in self._records.values()), None)
+        check_shape(first, template, str(self._db.path))
 
-    # ── from memory to the file ──────────────────────────────────────────────────────────
-
-    def _put_person(self, subject: str, consent: Consent | None) -> int:
-        reference, expires = consent_to_text(consent)
-        mark = digest(subject, reference, expires)
-        known = self._db.find("SELECT id, digest FROM people WHERE name = ?", subject)
-        if known is None:
-            person = self._db.run(
-                "INSERT INTO people (name, consent, expires, digest) VALUES (?, ?, ?, ?)",
-                subject, reference, expires, mark,
-            )  # fmt: skip
-            self._reseal(mark)
-            self._people[person] = subject, consent
-            return person
-        person = known[0]
-        if consent is not None:
-            self._db.run(
-                "UPDATE people SET consent = ?, expires = ?, digest = ? WHERE id = ?",
-                reference, expires, mark, person,
-            )  # fmt: skip
-            self._reseal(known[1], mark)
-            self._people[person] = subject, consent
+    def _put(
+        self,
+        subject: str,
+        template: Template,
+        consent: Consent | None,
+        frontal: RangeImage | None = None,
+    ) -> None:
+        check_subject(subject)
+        self._check(template)
+        person, renewed = self._rows.put_person(subject, consent)
+        if renewed:
             _audit.note(self._db, "consent", person)
-        return person
-
-    def _put_template(self, person: int, subject: str, template: Template) -> None:
-        payload = encode(template)
-        if self._vault is not None:
-            payload = self._vault.seal(payload, subject)
-        mark = digest(subject, payload)
-        record = self._db.run(
-            "INSERT INTO templates (person, payload, digest) VALUES (?, ?, ?)",
-            person, payload, mark,
-        )  # fmt: skip
-        self._reseal(mark)
+        if renewed or person not in self._people:
+            self._people[person] = subject, consent
+        record, known = self._rows.put_template(person, subject, template)
+        self._records[record] = known
         _audit.note(self._db, "enrolled", person)
-        self._records[record] = subject, mark, template
-
-    def _reseal(self, *marks: bytes) -> None:
-        seal = self._seal()
-        for mark in marks:
-            seal = _xor(seal, mark)
-        self._db.run("UPDATE meta SET value = ? WHERE key = 'seal'", seal)
-
-    def _seal(self) -> bytes:
-        (seal,) = self._db.one("SELECT value FROM meta WHERE key = 'seal'")
-        if not isinstance(seal, bytes) or len(seal) != 16:
-            raise self._db.damaged("the seal is broken")
-        return seal
-
-    # ── keys ─────────────────────────────────────────────────────────────────────────────
-
-    def _check_key(self) -> None:
-        with self._db.transaction():
-            row = self._db.find("SELECT value FROM meta WHERE key = 'key proof'")
-        if row is None and self._vault is not None:
-            raise GalleryError(
-                f"{self._db.path}: is not encrypted; export it and import it into a new gallery"
-            )
-        if row is not None and self._vault is None:
-            raise GalleryError(f"{self._db.path}: is encrypted; give its key in {KEY_VARIABLE}")
-        if row is not None:
-            self._opened(row[0], "")
-
-    def _opened(self, sealed: bytes, name: str) -> bytes:
-        if self._vault is None:
-            return sealed
-        try:
-            return self._vault.open(sealed, name)
-        except GalleryError as error:
-            raise GalleryError(f"{self._db.path}: {error}") from error
-
-
-def _xor(a: bytes, b: bytes) -> bytes:
-    return (int.from_bytes(a) ^ int.from_bytes(b)).to_bytes(len(a))
+        if frontal is not None:
+            self._rows.put_frontal(record, subject, frontal)

@@ -1,4 +1,4 @@
-"""Templates at rest: AES-256-GCM."""
+"""Templates, names and consents at rest: AES-256-GCM."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import base64
 import binascii
 import os
 from collections.abc import Mapping
+from hashlib import blake2b
 from pathlib import Path
 
 from rangeface.errors import GalleryError
@@ -46,6 +47,11 @@ class Vault:
         if len(key) != 32:
             raise GalleryError(f"key: need 32 bytes (256 bits), got {len(key)}")
         self._cipher = AESGCM(key)
+        self._names = blake2b(key=key, person=b"rangeface names").digest()[:32]
+
+    def tag(self, name: str) -> str:
+        """What stands for a name where it must be found again: nobody can guess it back."""
+        return blake2b(name.encode(), key=self._names, digest_size=16).hexdigest()
 
     def seal(self, data: bytes, name: str) -> bytes:
         """Nonce, ciphertext and tag of the data."""

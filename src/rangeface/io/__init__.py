@@ -10,6 +10,7 @@ from rangeface.io._write import WRITERS, write_frames, write_points, write_scan
 from rangeface.io.biwi import read_pose
 from rangeface.io.bosphorus import read_landmarks
 from rangeface.io.camera_toml import CameraFile, read_camera
+from rangeface.io.mcap import read_recording
 
 __all__ = [
     "FORMATS",
@@ -25,6 +26,7 @@ __all__ = [
     "read_landmarks",
     "read_points",
     "read_pose",
+    "read_recording",
     "read_scan",
     "unit_mm",
     "write_frames",

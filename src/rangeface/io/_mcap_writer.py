@@ -7,7 +7,7 @@ import struct
 import numpy as np
 
 from rangeface.errors import ParameterError
-from rangeface.types import Pinhole, RangeImage
+from rangeface.types import Float32, Pinhole, RangeImage
 
 MAGIC = b"\x89MCAP0\r\n"
 
@@ -31,26 +31,67 @@ _INFO_MSG = (
 )
 
 
+#: Topic of every channel, in the order of their numbers, and what its unit is in ours.
+TOPICS = {
+    "/depth/camera_info": 1.0,
+    "/depth/image_raw": 1000.0,
+    "/depth/sigma": 1000.0,
+    "/depth/amplitude": 1.0,
+}
+
+
 def encode(images: list[RangeImage], *, rate_hz: float = 30.0) -> bytes:
     """A recording of depth images (32FC1, metres) and their cameras, as ROS 2 messages."""
+    bodies = [messages(image, index, index / rate_hz) for index, image in enumerate(images)]
+    return b"".join([opening(), *bodies, closing()])
+
+
+def opening() -> bytes:
+    """What stands before the messages: the magic, the schemas and the channels."""
     out = [MAGIC, _record(_HEADER, _text("ros2") + _text("rangeface"))]
     for number, (name, message) in enumerate((("CameraInfo", _INFO_MSG), ("Image", _IMAGE_MSG)), 1):
         schema = _text(f"sensor_msgs/msg/{name}") + _text("ros2msg") + _text(message)
-        topic = _text("/depth/camera_info" if name == "CameraInfo" else "/depth/image_raw")
         out.append(_record(_SCHEMA, struct.pack("<H", number) + schema))
-        channel = struct.pack("<HH", number, number) + topic + _text("cdr") + struct.pack("<I", 0)
+    for number, topic in enumerate(TOPICS, 1):
+        schema_number = struct.pack("<HH", number, 1 if topic.endswith("camera_info") else 2)
+        channel = schema_number + _text(topic) + _text("cdr") + struct.pack("<I", 0)
         out.append(_record(_CHANNEL, channel))
-    for index, image in enumerate(images):
-        if not isinstance(image.camera, Pinhole):
-            raise ParameterError("image: a recording needs a pinhole camera")
-        nanos = round(index / rate_hz * 1e9)
-        for number, body in ((1, _info_body(image.camera, nanos)), (2, _image_body(image, nanos))):
-            head = struct.pack("<HIQQ", number, index, nanos, nanos)
-            out.append(_record(_MESSAGE, head + b"\0\1\0\0" + body))
-    out.append(
-        _record(_DATA_END, struct.pack("<I", 0)) + _record(_FOOTER, struct.pack("<QQI", 0, 0, 0))
+    return b"".join(out)
+
+
+def messages(image: RangeImage, index: int, time_s: float) -> bytes:
+    """One frame: its camera, its σ and amplitude where it has them, and its depth.
+
+    Raises
+    ------
+    ParameterError
+        The camera is no pinhole.
+    """
+    if not isinstance(image.camera, Pinhole):
+        raise ParameterError("image: a recording needs a pinhole camera")
+    nanos = round(time_s * 1e9)
+    planes = {"/depth/sigma": image.sigma, "/depth/amplitude": image.amplitude,
+              "/depth/image_raw": image.depth}  # fmt: skip
+    bodies = [("/depth/camera_info", _info_body(image.camera, nanos))]
+    bodies += [
+        (topic, _image_body(plane / np.float32(TOPICS[topic]), nanos))
+        for topic, plane in planes.items()
+        if plane is not None
+    ]
+    numbers = {topic: number for number, topic in enumerate(TOPICS, 1)}
+    return b"".join(
+        _record(
+            _MESSAGE,
+            struct.pack("<HIQQ", numbers[topic], index, nanos, nanos) + b"\0\1\0\0" + body,
+        )
+        for topic, body in bodies
     )
-    return b"".join(out) + MAGIC
+
+
+def closing() -> bytes:
+    """What ends a recording."""
+    end = _record(_DATA_END, struct.pack("<I", 0))
+    return end + _record(_FOOTER, struct.pack("<QQI", 0, 0, 0)) + MAGIC
 
 
 def _record(kind: int, body: bytes) -> bytes:
@@ -71,11 +112,11 @@ def _message_header(nanos: int) -> bytes:
     return _padded(stamp + _text("depth", ending=b"\0"), 4)
 
 
-def _image_body(image: RangeImage, nanos: int) -> bytes:
-    height, width = image.shape
+def _image_body(plane: Float32, nanos: int) -> bytes:
+    height, width = plane.shape
     head = _message_header(nanos) + struct.pack("<II", height, width)
     head = _padded(head + _text("32FC1", ending=b"\0") + b"\0", 4)
-    data = (image.depth / np.float32(1000)).astype("<f4").tobytes()
+    data = plane.astype("<f4").tobytes()
     return head + struct.pack("<II", 4 * width, len(data)) + data
 
 

@@ -22,7 +22,7 @@ _JUMP_MM = 12.0  # neighbours on a grid farther apart than this lie on two surfa
 
 
 def read_scan(
-    path: str | Path,
+    path: str | Path | bytes,
     *,
     camera: Camera | None = None,
     unit: str | None = None,
@@ -35,8 +35,8 @@ def read_scan(
 
     Parameters
     ----------
-    path : str or Path
-        The file.
+    path : str, Path or bytes
+        The file, or the contents of one; bytes have no camera file beside them.
     camera : Pinhole or Orthographic, optional
         Intrinsics of a depth image that brings none, or in place of those it brings; the
         virtual camera for points and meshes (default: orthographic, framing the main cluster).
@@ -86,7 +86,7 @@ def read_scan(
 
 
 def open_scan(
-    path: str | Path,
+    path: str | Path | bytes,
     *,
     camera: Camera | None,
     unit: str | None,

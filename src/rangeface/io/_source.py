@@ -65,17 +65,25 @@ class Source:
     limits: Limits = field(default_factory=Limits)
     camera: Camera | None = None
     unit: str | None = None
+    alone: bool = False  # bytes that came without a folder have no files beside them
 
     @classmethod
     def open(
         cls,
-        path: str | Path,
+        path: str | Path | bytes,
         limits: Limits | None = None,
         camera: Camera | None = None,
         unit: str | None = None,
     ) -> Source:
-        """Read a file, its size checked first."""
+        """Read a file, its size checked first; or take bytes for the contents of one."""
         limits = limits or Limits()
+        if isinstance(path, bytes):
+            source = cls(Path("scan"), path, limits, camera, unit, alone=True)
+            if len(path) > limits.max_bytes:
+                detail = f"{len(path)} bytes, the limit is {limits.max_bytes}"
+                raise source.error(ScanFault.TOO_LARGE, detail)
+            source.need(0, 1, "a scan")
+            return source
         path = Path(path)
         data = _read(path, limits.max_bytes)
         return cls(path, data, limits, camera, unit)
@@ -118,7 +126,7 @@ class Source:
 
     def sibling(self, names: Sequence[str]) -> Source | None:
         """The first of the named files beside this one that exists."""
-        for name in names:
+        for name in () if self.alone else names:
             path = self.path.parent / name
             if path != self.path and path.is_file():
                 return replace(self, path=path, data=_read(path, self.limits.max_bytes))

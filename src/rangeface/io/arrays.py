@@ -2,7 +2,8 @@
 
 Layout: the magic line, the header's length as a little-endian u64, the header (UTF-8 JSON:
 ``{"meta": …, "arrays": [{"name", "dtype", "shape", "offset", "sha256"}, …], "sha256": …}``),
-then the arrays' bytes, little-endian, C order, one after the other.
+then the arrays' bytes, little-endian, C order, one after the other. float32 numbers that are
+exactly a power of two times half-precision ones are kept as those, beside the "exponent".
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ import numpy as np
 from rangeface.errors import ScanError, ScanFault
 
 _MAGIC = b"rangeface arrays 1\n"
-_DTYPES = {"<f4", "<f8", "<i4", "<i8", "|u1", "|b1"}
+_DTYPES = {"<f2", "<f4", "<f8", "<i4", "<i8", "|u1", "|b1"}
 _MAX_HEADER_BYTES = 16 * 2**20
 _MAX_BYTES = 2 * 2**30
 
@@ -40,9 +41,12 @@ def write_arrays(path: Path, meta: Mapping[str, Any], arrays: Mapping[str, np.nd
     """
     table, blocks, offset = [], [], 0
     for name, array in arrays.items():
-        block = np.ascontiguousarray(array).astype(np.asarray(array).dtype.newbyteorder("<"))
+        block, exponent = _packed(np.asarray(array))
+        block = np.ascontiguousarray(block).astype(block.dtype.newbyteorder("<"))
         raw = block.tobytes()
-        entry = {"name": name, "dtype": block.dtype.str, "shape": list(block.shape)}
+        entry: dict[str, Any] = {"name": name, "dtype": block.dtype.str, "shape": list(block.shape)}
+        if exponent:
+            entry["exponent"] = exponent
         table.append({**entry, "offset": offset, "sha256": hashlib.sha256(raw).hexdigest()})
         blocks.append(raw)
         offset += len(raw)
@@ -56,6 +60,16 @@ def write_arrays(path: Path, meta: Mapping[str, Any], arrays: Mapping[str, np.nd
         file.flush()
         os.fsync(file.fileno())
     os.replace(partial, path)
+
+
+def _packed(array: np.ndarray) -> tuple[np.ndarray, int]:
+    """Half precision and its exponent where that loses nothing, else the array and 0."""
+    if array.dtype != np.float32 or not np.isfinite(array).all() or not array.any():
+        return array, 0
+    exponent = int(np.frexp(np.abs(array).max())[1])
+    half = np.ldexp(array, -exponent).astype(np.float16)
+    exact = np.array_equal(np.ldexp(half.astype(np.float32), exponent), array)
+    return (half, exponent) if exact else (array, 0)
 
 
 def read_arrays(path: Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
@@ -112,4 +126,7 @@ def _block(path: Path, raw: bytes, base: int, entry: dict[str, Any]) -> np.ndarr
         raise ScanError(path, ScanFault.TRUNCATED, f"array {entry['name']!r} is cut off")
     if hashlib.sha256(block).hexdigest() != entry["sha256"]:
         raise ScanError(path, ScanFault.MALFORMED, f"array {entry['name']!r} was altered")
-    return np.frombuffer(block, dtype).reshape(entry["shape"])
+    array = np.frombuffer(block, dtype).reshape(entry["shape"])
+    if dtype == np.float16:
+        return np.ldexp(array.astype(np.float32), int(entry.get("exponent", 0)))
+    return array

@@ -14,21 +14,25 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from io import BytesIO
 from pathlib import Path
+from typing import BinaryIO, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rangeface.errors import ParameterError, ScanFault
 from rangeface.io import png16
-from rangeface.io._mcap_writer import MAGIC
-from rangeface.io._source import Source
+from rangeface.io._mcap_writer import MAGIC, TOPICS
+from rangeface.io._source import Limits, Source
 from rangeface.io.camera_toml import depth_image
-from rangeface.types import Pinhole, RangeImage
+from rangeface.types import Camera, Float32, Pinhole, RangeImage
 
 _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = 3, 4, 5, 6
 _DEPTH = {"16UC1": ("u2", "mm"), "mono16": ("u2", "mm"), "32FC1": ("f4", "m")}
 _SECONDS = 10
+#: Images that are no depth, by the last part of their topic, and what their unit is in ours.
+_PLANES_MM = {"sigma": TOPICS["/depth/sigma"], "amplitude": TOPICS["/depth/amplitude"]}
 
 
 class _TornError(Exception):
@@ -56,40 +60,147 @@ def parse(source: Source) -> RangeImage:
 
 def frames(source: Source) -> Iterator[RangeImage]:
     """All depth images in the order of the recording, up to a tear."""
-    cameras: dict[tuple[int, int], Pinhole] = {}
-    waiting: list[tuple[NDArray[np.generic], str]] = []
-    for channel, message in _messages(source):
+    for _, image in timed_frames(source, BytesIO(source.data)):
+        yield image
+
+
+def read_recording(
+    path: str | Path,
+    *,
+    camera: Camera | None = None,
+    unit: str | None = None,
+    limits: Limits | None = None,
+) -> Iterator[tuple[float, RangeImage]]:
+    """Read an MCAP recording of any length, frame by frame, with σ and amplitude if it has them.
+
+    Parameters
+    ----------
+    path : str or Path
+        The recording; it is not held in memory.
+    camera, unit
+        As in `read_scan`.
+    limits : Limits, optional
+        `max_bytes` caps a record, not the file.
+
+    Yields
+    ------
+    time_s : float
+        When the frame was logged, s since the first one.
+    image : RangeImage
+        One without a valid pixel included. A torn recording ends at the tear.
+
+    Raises
+    ------
+    ScanError
+        The file is missing or no recording, or a message is broken.
+    """
+    source = Source(Path(path), b"", limits or Limits(), camera, unit)
+    try:
+        stream = source.path.open("rb")
+    except FileNotFoundError:
+        raise source.error(ScanFault.MISSING, "") from None
+    except OSError as fault:
+        raise source.error(ScanFault.UNREADABLE, str(fault)) from None
+    with stream:
+        if stream.read(len(MAGIC)) != MAGIC:
+            raise source.error(ScanFault.UNKNOWN_FORMAT, "not an MCAP recording")
+        stream.seek(0)
+        yield from timed_frames(source, stream)
+
+
+def timed_frames(source: Source, stream: BinaryIO) -> Iterator[tuple[float, RangeImage]]:
+    """Seconds since the first depth image, and every depth image."""
+    gathered = _Gathered(source)
+    first = None
+    for channel, nanos, message in _messages(source, stream):
         try:
-            if channel.kind == "CameraInfo":
-                camera = _camera_info(_Cursor(message, channel.ros1))
-                if camera is not None:
-                    cameras.setdefault((camera.width, camera.height), camera)
-                    ready = [w for w in waiting if w[0].shape == (camera.height, camera.width)]
-                    waiting = [w for w in waiting if w[0].shape != (camera.height, camera.width)]
-                    for raw, unit in ready:
-                        yield depth_image(source, raw, unit=unit, camera=camera)
-                continue
-            found = _READERS[channel.kind](source, _Cursor(message, channel.ros1))
+            ready = gathered.take(channel, nanos, message)
         except _TornError:
             raise source.error(ScanFault.TRUNCATED, f"a message of {channel.topic}") from None
+        for stamp, image in ready:
+            first = stamp if first is None else first
+            yield (stamp - first) / 1e9, image
+    for stamp, image in gathered.rest():
+        first = stamp if first is None else first
+        yield (stamp - first) / 1e9, image
+
+
+class _Pixels(NamedTuple):
+    """A depth image that has not met its camera yet."""
+
+    nanos: int
+    raw: NDArray[np.generic]
+    unit: str
+
+
+class _Gathered:
+    """Brings a depth image together with its camera, its σ and its amplitude."""
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        self._cameras: dict[tuple[int, ...], Pinhole] = {}
+        self._waiting: list[_Pixels] = []
+        self._planes: dict[str, tuple[int, NDArray[np.generic] | None]] = {}
+
+    def take(
+        self, channel: _Channel, nanos: int, message: memoryview
+    ) -> list[tuple[int, RangeImage]]:
+        """The depth images that a message completes."""
+        cursor = _Cursor(message, channel.ros1)
+        if channel.kind == "CameraInfo":
+            return self._met(_camera_info(cursor))
+        found = _READERS[channel.kind](self._source, cursor)
         if found is None:
-            continue
-        key = (found[0].shape[1], found[0].shape[0])
-        if source.camera is not None or key in cameras:
-            yield depth_image(source, found[0], unit=found[1], camera=cameras.get(key))
-        elif len(waiting) < 8:  # the camera's message may come a little later
-            waiting.append(found)
-    for raw, unit in waiting:
-        yield depth_image(source, raw, unit=unit)
+            return []
+        plane = channel.topic.rpartition("/")[2]
+        if plane in _PLANES_MM:  # they come just before the depth that they belong to
+            self._planes[plane] = nanos, found[0]
+            return []
+        pixels = _Pixels(nanos, *found)
+        if self._source.camera is not None or pixels.raw.shape in self._cameras:
+            return [self._image(pixels)]
+        if len(self._waiting) < 8:  # the camera's message may come a little later
+            self._waiting.append(pixels)
+        return []
+
+    def rest(self) -> list[tuple[int, RangeImage]]:
+        """The depth images that no camera came for: a camera file may stand beside them."""
+        return [self._image(pixels) for pixels in self._waiting]
+
+    def _met(self, camera: Pinhole | None) -> list[tuple[int, RangeImage]]:
+        if camera is None:
+            return []
+        shape = camera.height, camera.width
+        self._cameras.setdefault(shape, camera)
+        ready = [p for p in self._waiting if p.raw.shape == shape]
+        self._waiting = [p for p in self._waiting if p.raw.shape != shape]
+        return [self._image(pixels) for pixels in ready]
+
+    def _image(self, pixels: _Pixels) -> tuple[int, RangeImage]:
+        camera = self._cameras.get(pixels.raw.shape)
+        image = depth_image(self._source, pixels.raw, unit=pixels.unit, camera=camera)
+        return pixels.nanos, replace(
+            image,
+            sigma=self._plane("sigma", pixels.nanos, image.shape),
+            amplitude=self._plane("amplitude", pixels.nanos, image.shape),
+        )
+
+    def _plane(self, name: str, nanos: int, shape: tuple[int, int]) -> Float32 | None:
+        """What came for that moment, if it fits."""
+        stamp, plane = self._planes.get(name, (-1, None))
+        if plane is None or stamp != nanos or plane.shape != shape:
+            return None
+        return plane.astype(np.float32) * np.float32(_PLANES_MM[name])
 
 
 # ── records ──────────────────────────────────────────────────────────────────────────────
 
 
-def _messages(source: Source) -> Iterator[tuple[_Channel, memoryview]]:
+def _messages(source: Source, stream: BinaryIO) -> Iterator[tuple[_Channel, int, memoryview]]:
     schemas: dict[int, str] = {}
     channels: dict[int, _Channel] = {}
-    for kind, body in _records(source, memoryview(source.data)[len(MAGIC) :], nested=False):
+    stream.seek(len(MAGIC))
+    for kind, body in _records(source, stream, nested=False):
         try:
             cursor = _Cursor(body, ros1=True)
             if kind == _SCHEMA:
@@ -103,25 +214,27 @@ def _messages(source: Source) -> Iterator[tuple[_Channel, memoryview]]:
                     channels[number] = _Channel(name, topic, encoding == "ros1")
             elif kind == _MESSAGE:
                 channel = channels.get(cursor.number("H"))
-                cursor.skip(20)
+                cursor.skip(4)
+                nanos = cursor.number("Q")
+                cursor.skip(8)
                 if channel is not None:
-                    yield channel, cursor.rest()
+                    yield channel, nanos, cursor.rest()
         except _TornError:
             return
 
 
-def _records(source: Source, data: memoryview, *, nested: bool) -> Iterator[tuple[int, memoryview]]:
-    at = 0
-    while at + 9 <= len(data):
-        kind, size = struct.unpack_from("<BQ", data, at)
-        if size > len(data) - at - 9:
+def _records(source: Source, stream: BinaryIO, *, nested: bool) -> Iterator[tuple[int, memoryview]]:
+    while len(head := stream.read(9)) == 9:
+        kind, size = struct.unpack("<BQ", head)
+        if size > source.limits.max_bytes:
+            return  # no record of ours: the tear
+        body = stream.read(size)
+        if len(body) < size:
             return  # the tear
-        body = data[at + 9 : at + 9 + size]
         if kind == _CHUNK and not nested:
-            yield from _records(source, _chunk(source, body), nested=True)
+            yield from _records(source, BytesIO(_chunk(source, memoryview(body))), nested=True)
         else:
-            yield kind, body
-        at += 9 + size
+            yield kind, memoryview(body)
 
 
 def _chunk(source: Source, body: memoryview) -> memoryview:

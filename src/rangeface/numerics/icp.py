@@ -34,6 +34,10 @@ class Model(NamedTuple):
     normals: NDArray[np.float32]
     weights: NDArray[np.float32]
 
+    def sized(self, factor: float) -> Model:
+        """The model scaled about its origin."""
+        return Model(self.points * np.float32(factor), self.normals, self.weights)
+
 
 class Fit(NamedTuple):
     """Result of `align`.
@@ -245,17 +249,22 @@ def align(
         tuple(model), R.astype(np.float32), t.astype(np.float32), tuple(projection),
         image, image_weights, gates[-1], scales[-1], A, b,
     )  # fmt: skip
-    lever = np.array([ARM_MM] * 3 + [1.0] * 3)
-    eigenvalues = np.linalg.eigvalsh(A / np.outer(lever, lever))
     return Fit(
         rotation=R,
         translation=t,
         rms_mm=math.sqrt(sum_r2 / inliers) if inliers else math.nan,
         overlap=explained / visible if visible > 0 else 0.0,
         inliers=int(inliers),
-        condition=float(eigenvalues[-1] / max(eigenvalues[0], 1e-12 * max(eigenvalues[-1], 1e-30))),
+        condition=condition(A),
         moved_mm=float(moved),
     )
+
+
+def condition(A: NDArray[np.float64]) -> float:
+    """Condition number of normal equations (6, 6), rotations taken at the arm of a head."""
+    lever = np.array([ARM_MM] * 3 + [1.0] * 3)
+    values = np.linalg.eigvalsh(A / np.outer(lever, lever))
+    return float(values[-1] / max(values[0], 1e-12 * max(values[-1], 1e-30)))
 
 
 @njit(cache=True, nogil=True)
@@ -361,6 +370,83 @@ def scores(
     )  # fmt: skip
 
 
+class Evidence(NamedTuple):
+    """What an image says about a model in a pose; weights of points over that of all of them.
+
+    Attributes
+    ----------
+    visible : float
+        Points that face the camera.
+    explained : float
+        Those near the image's surface, less the nearer the tolerance they are.
+    missing : float
+        Those that meet no measurement.
+    behind : float
+        Those where the camera sees through the model to a surface far behind it.
+    before : float
+        Those hidden by a surface far before the model.
+    """
+
+    visible: float
+    explained: float
+    missing: float
+    behind: float
+    before: float
+
+
+@njit(cache=True, nogil=True, fastmath=_FASTMATH)
+def _evidence(model, R, t, projection, image, tolerance):  # type: ignore[no-untyped-def]
+    weights = model[2]
+    total = visible = explained = missing = behind = before = 0.0
+    for k in range(weights.shape[0]):
+        w = weights[k]
+        total += w
+        status, _, _, _, nx, ny, nz, dx, dy, dz, _, _ = _pair(model, k, R, t, projection, image)
+        if status == _HIDDEN:
+            continue
+        visible += w
+        if status == _MISSING:
+            missing += w
+            continue
+        r = (nx * dx + ny * dy + nz * dz) / tolerance
+        along = (dx * dx + dy * dy + dz * dz) / (16.0 * tolerance * tolerance)
+        if r * r < 1.0 and along < 1.0:
+            explained += w * (1.0 - r * r)
+        elif r < -2.0:
+            behind += w
+        elif r > 2.0:
+            before += w
+    return visible / total, explained / total, missing / total, behind / total, before / total
+
+
+def evidence(
+    model: Model,
+    rotation: NDArray[np.float64],
+    translation: NDArray[np.float64],
+    projection: Projection,
+    image: NDArray[np.float32],
+    *,
+    tolerance_mm: float,
+) -> Evidence:
+    """What the image says for and against one pose.
+
+    Parameters
+    ----------
+    model, rotation, translation, projection, image, tolerance_mm
+        As in `scores`, for a single pose.
+
+    Returns
+    -------
+    Evidence
+    """
+    return Evidence(
+        *_evidence(
+            tuple(model), np.asarray(rotation, np.float32), np.asarray(translation, np.float32),
+            tuple(projection), image, np.float32(tolerance_mm),
+        )
+    )  # fmt: skip
+
+
 @njit(cache=True, nogil=True, fastmath=_FASTMATH)
 def _correspondences(model, R, t, projection, image, gate):  # type: ignore[no-untyped-def]
     points = model[0]
@@ -373,7 +459,26 @@ def _correspondences(model, R, t, projection, image, gate):  # type: ignore[no-u
     return out
 
 
-def relief_correlation(
+class Relief(NamedTuple):
+    """An image's surface against a model's, each split into its best quadric and the rest.
+
+    Attributes
+    ----------
+    correlation : float
+        −1 … 1, of the rests: nose, eye sockets, lips.
+    steepness : float
+        Slope of the regression of the image's rest on the model's: 1 for relief as high as the
+        model's. Noise lowers the correlation, not the slope.
+    bend : float
+        Distance of the quadrics' second-order coefficients, mm at `ARM_MM` from the origin.
+    """
+
+    correlation: float
+    steepness: float
+    bend: float
+
+
+def relief(
     model: Model,
     rotation: NDArray[np.float64],
     translation: NDArray[np.float64],
@@ -381,12 +486,12 @@ def relief_correlation(
     image: NDArray[np.float32],
     *,
     gate_mm: float = 20.0,
-) -> float:
-    r"""Correlation of the image's relief with the model's, both without their own quadric.
+) -> Relief:
+    r"""Compare the image's relief with the model's, both without their own quadric.
 
     A smooth surface (shoulder, cushion, ball) lies close to a face almost everywhere; it has
     no nose. What remains after the best quadric :math:`z = (1, x, y, x^2, xy, y^2) β` is the
-    relief: nose, eye sockets, lips.
+    relief.
 
     Parameters
     ----------
@@ -397,27 +502,57 @@ def relief_correlation(
 
     Returns
     -------
-    float
-        −1 … 1; 0 if fewer than 30 points are paired.
+    Relief
+        All 0 if fewer than 30 points are paired.
     """
     found = _correspondences(
-        tuple(model), rotation.astype(np.float32), translation.astype(np.float32),
+        tuple(model), np.asarray(rotation, np.float32), np.asarray(translation, np.float32),
         tuple(projection), image, np.float32(gate_mm),
     )  # fmt: skip
-    paired = np.isfinite(found[:, 2])
-    if paired.sum() < 30:
-        return 0.0
-    w = np.sqrt(model.weights[paired].astype(np.float64))
-    a = _relief(found[paired].astype(np.float64), w)
-    b = _relief(model.points[paired].astype(np.float64), w)
-    return float(a @ b / max(math.sqrt((a @ a) * (b @ b)), 1e-12))
+    return Relief(*_relief(found, model.points, model.weights))
 
 
-def _relief(points: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Weighted residual of z after its best quadric in x and y (normal equations, 6 × 6)."""
-    x, y = points[:, 0] / ARM_MM, points[:, 1] / ARM_MM
-    basis = weights * np.stack([np.ones_like(x), x, y, x * x, x * y, y * y])
-    z = weights * points[:, 2]
-    gram = basis @ basis.T
-    beta = np.linalg.solve(gram + 1e-9 * np.trace(gram) * np.eye(6), basis @ z)
-    return z - beta @ basis
+@njit(cache=True, nogil=True)
+def _relief(found, points, weights):  # type: ignore[no-untyped-def]
+    paired = 0
+    for k in range(found.shape[0]):
+        paired += found[k, 2] == found[k, 2]
+    if paired < 30:
+        return 0.0, 0.0, 0.0
+    alpha, beta = _quadric(found, found, weights), _quadric(points, found, weights)
+    aa = bb = ab = 0.0
+    for k in range(found.shape[0]):
+        if found[k, 2] == found[k, 2]:
+            a, b = _above(alpha, found, k), _above(beta, points, k)
+            aa += weights[k] * a * a
+            bb += weights[k] * b * b
+            ab += weights[k] * a * b
+    bend = abs(alpha[3] - beta[3]) + abs(alpha[4] - beta[4]) + abs(alpha[5] - beta[5])
+    return ab / max(math.sqrt(aa * bb), 1e-12), ab / max(bb, 1e-12), bend
+
+
+@njit(cache=True, nogil=True)
+def _quadric(points, found, weights):  # type: ignore[no-untyped-def]
+    """β of the best z = (1, x, y, x², xy, y²) β through the paired points; x, y in `ARM_MM`."""
+    A, b, row = np.zeros((6, 6)), np.zeros(6), np.empty(6)
+    for k in range(points.shape[0]):
+        if found[k, 2] != found[k, 2]:
+            continue
+        x, y, z = points[k, 0] / ARM_MM, points[k, 1] / ARM_MM, points[k, 2]
+        row[0], row[1], row[2], row[3], row[4], row[5] = 1.0, x, y, x * x, x * y, y * y
+        for i in range(6):
+            w = weights[k] * row[i]
+            b[i] += w * z
+            for j in range(6):
+                A[i, j] += w * row[j]
+    trace = np.trace(A)
+    for i in range(6):
+        A[i, i] += 1e-9 * trace
+    return np.linalg.solve(A, b)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _above(beta, points, k):  # type: ignore[no-untyped-def]
+    x, y = points[k, 0] / ARM_MM, points[k, 1] / ARM_MM
+    flat = beta[0] + beta[1] * x + beta[2] * y
+    return points[k, 2] - flat - beta[3] * x * x - beta[4] * x * y - beta[5] * y * y

@@ -6,8 +6,10 @@ from collections.abc import Iterable
 from itertools import product
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
+from rangeface.numerics.projection import Projection
 from rangeface.numerics.se3 import head_rotation
 
 
@@ -34,35 +36,54 @@ def rotation_grid(
     return np.array([head_rotation(*a) for a in angles])
 
 
-def pool(points: NDArray[np.float32], factor: int) -> NDArray[np.float32]:
-    """Mean of the valid points of each factor × factor block, NaN where fewer than half are.
+def pool(depth: NDArray[np.float32], projection: Projection, factor: int) -> NDArray[np.float32]:
+    """Organised points of a depth image, one for each factor × factor block.
 
     Parameters
     ----------
-    points : (H, W, 3) float32
-        Organised points, NaN where invalid.
+    depth : (H, W) float32
+        mm, NaN where invalid.
+    projection : Projection
+        Of the image's camera.
     factor : int
         Edge of a block, px, ≥ 1; rows and columns that fill no block are dropped.
 
     Returns
     -------
     (H // factor, W // factor, 3) float32
+        Mean depth of the valid pixels on the ray through their centre; NaN where fewer than
+        half are valid.
     """
-    if factor == 1:
-        return points
-    height, width = points.shape[0] // factor, points.shape[1] // factor
-    blocks = points[: height * factor, : width * factor].reshape(height, factor, width, factor, 3)
-    valid = np.isfinite(blocks[..., 2])
-    count = valid.sum(axis=(1, 3))
-    sums = np.where(valid[..., None], blocks, 0.0).sum(axis=(1, 3), dtype=np.float64)
-    enough = count >= (factor * factor + 1) // 2
-    means = sums / np.maximum(count, 1)[..., None]
-    return np.where(enough[..., None], means, np.nan).astype(np.float32)
+    return _pool(depth, tuple(projection), factor)
+
+
+@njit(cache=True, nogil=True, fastmath={"contract", "reassoc", "arcp", "nsz"})
+def _pool(depth, projection, factor):  # type: ignore[no-untyped-def]
+    perspective, sx, sy, cx, cy = projection
+    height, width = depth.shape[0] // factor, depth.shape[1] // factor
+    out = np.full((height, width, 3), np.nan, np.float32)
+    enough = (factor * factor + 1) // 2
+    for i in range(height):
+        for j in range(width):
+            count, u, v, z = 0, 0, 0, 0.0
+            for row in range(i * factor, (i + 1) * factor):
+                for col in range(j * factor, (j + 1) * factor):
+                    d = depth[row, col]
+                    if d == d:
+                        count, u, v, z = count + 1, u + col, v + row, z + d
+            if count < enough:
+                continue
+            z /= count
+            scale = z if perspective else 1.0
+            out[i, j, 0] = (u / count - cx) / sx * scale
+            out[i, j, 1] = (v / count - cy) / sy * scale
+            out[i, j, 2] = z
+    return out
 
 
 def protrusions(
     points: NDArray[np.float32], rotations: NDArray[np.float64], *, radius_px: int
-) -> NDArray[np.intp]:
+) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
     """Pixels that protrude furthest along a viewing axis within their neighbourhood.
 
     For every rotation, the pixels whose point lies furthest along the axis −z of the rotated
@@ -79,17 +100,49 @@ def protrusions(
 
     Returns
     -------
-    (n, 2) intp
+    pixels : (n, 2) intp
         Rows and columns, without repetition.
+    along : (n, r) bool
+        Along which rotation's axis each of them protrudes.
     """
     import cv2
 
     size = 2 * radius_px + 1
     window = np.ones((size, size), np.uint8)
-    found = np.zeros(points.shape[:2], bool)
-    for axis in np.unique(rotations[:, :, 2].round(9), axis=0):
+    axes, axis_of = np.unique(rotations[:, :, 2].round(9), axis=0, return_inverse=True)
+    found = np.empty((*points.shape[:2], len(axes)), bool)
+    for k, axis in enumerate(axes):
         height = -(points @ axis.astype(np.float32))
         height = np.where(np.isfinite(height), height, np.float32(-1e9))
         highest = cv2.dilate(height, window, borderType=cv2.BORDER_CONSTANT, borderValue=-1e9)
-        found |= (height == highest) & (height > -1e8)
-    return np.argwhere(found)
+        found[..., k] = (height == highest) & (height > -1e8)
+    pixels = np.argwhere(found.any(axis=2))
+    return pixels, found[pixels[:, 0], pixels[:, 1]][:, axis_of.ravel()]
+
+
+@njit(cache=True, nogil=True, fastmath={"contract", "reassoc", "arcp", "nsz"})
+def within(points, centre, radius):  # type: ignore[no-untyped-def]
+    """Which points lie within a sphere.
+
+    Parameters
+    ----------
+    points : (H, W, 3) float32
+        mm, NaN where invalid.
+    centre : (3,) float64
+        mm.
+    radius : float
+        mm.
+
+    Returns
+    -------
+    (H, W) bool
+        False where invalid.
+    """
+    out = np.empty(points.shape[:2], np.bool_)
+    for i in range(points.shape[0]):
+        for j in range(points.shape[1]):
+            x = points[i, j, 0] - centre[0]
+            y = points[i, j, 1] - centre[1]
+            z = points[i, j, 2] - centre[2]
+            out[i, j] = x * x + y * y + z * z <= radius * radius
+    return out

@@ -8,12 +8,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rangeface.decide import per_subject
 from rangeface.errors import DegenerateError, NoFaceError, ParameterError
 from rangeface.io.reference import default_reference
 from rangeface.numerics.se3 import rotation_matrix
 from rangeface.register.bootstrap import MIN_FACES, bootstrap
+from rangeface.segment import follow
 from rangeface.types import (
     Assessment,
     Decision,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from rangeface.gallery import View
 
 
+from rangeface.pipeline._compare import capped, compared
 from rangeface.pipeline._fingerprint import fingerprint
 from rangeface.pipeline._head import Head
 from rangeface.pipeline._step import Step
@@ -59,8 +61,10 @@ class FacePipeline:
         (Face, Alignment, frontal image) → Assessment.
     heads : tuple of Head
         At least one.
+    normalise : Step
+        (Scores (heads, people), scores (heads, cohort)) → scores on one scale (heads, people).
     fuse : Step
-        Scores (heads, m) → scores (m,).
+        Scores (heads, people) → scores (people,).
     decide : Step
         (scores, subjects, Assessment, threshold) → Decision.
     adapt_reference : bool
@@ -82,6 +86,7 @@ class FacePipeline:
     frontal: Step
     assess: Step
     heads: tuple[Head, ...]
+    normalise: Step
     fuse: Step
     decide: Step
     adapt_reference: bool = False
@@ -139,6 +144,34 @@ class FacePipeline:
         for face in faces:
             yield self._follow(replace(start, face=face, times_ms=dict(times)))
 
+    def follow(self, image: RangeImage, trace: Trace) -> Trace:
+        """Follow a face into the next frame, from where the last one's trace left it.
+
+        Parameters
+        ----------
+        image : RangeImage
+            The next frame.
+        trace : Trace
+            Of the last frame; if no face was registered there, this one is searched anew.
+
+        Returns
+        -------
+        Trace
+            Its reason is "face lost" where the face has gone.
+        """
+        if trace.alignment is None or not trace.alignment.converged:
+            return self.trace(image)
+        times: dict[str, float] = {}
+        with timed(times, "denoise"):
+            denoised = self.denoise(image)
+        with timed(times, "segment"):
+            radius_mm = self.segment.all_params().get("radius_mm", 140.0)
+            faces = follow(
+                denoised, trace.alignment.transform, reference=self.reference, radius_mm=radius_mm
+            )
+        start = Trace(image, denoised, faces, reason=faces.reason, times_ms=times)
+        return self._follow(replace(start, face=faces[0])) if faces else start
+
     def _follow(self, trace: Trace) -> Trace:
         """From a face to its features."""
         face, times = trace.face, trace.times_ms
@@ -152,7 +185,7 @@ class FacePipeline:
         with timed(times, "assess"):
             assessment = self.assess(face, alignment, frontal)
         with timed(times, "describe"):
-            features = tuple(head.features([frontal])[0] for head in self.heads)
+            features = tuple(head.features([frontal]).ravel() for head in self.heads)
         return replace(trace, frontal=frontal, assessment=assessment, features=features)
 
     def views(self, trace: Trace) -> list[RangeImage]:
@@ -288,12 +321,8 @@ class FacePipeline:
         if not views:
             raise DegenerateError("fit: no capture to learn from")
         flat = [view for capture in views for view in capture]
-        labels = np.repeat(np.asarray(subjects, dtype=str), [len(capture) for capture in views])
-        heads = []
-        for head in self.heads:
-            estimator = type(head.classify)(**head.classify.get_params())
-            heads.append(replace(head, classify=estimator.fit(head.features(flat), labels)))
-        return replace(self, heads=tuple(heads))
+        labels = [s for capture, s in zip(views, subjects, strict=True) for _ in capture]
+        return replace(self, heads=tuple(head.fit(flat, labels) for head in self.heads))
 
     # ── templates and scores ─────────────────────────────────────────────────────────────
 
@@ -329,7 +358,7 @@ class FacePipeline:
     ) -> Template:
         """Make a template from frontal images of one face: one row a view in every head."""
         return Template(
-            vectors=tuple(head.classify.transform(head.features(views)) for head in self.heads),
+            vectors=tuple(head.rows(views) for head in self.heads),
             fingerprint=self.fingerprint,
             assessment=assessment,
         )
@@ -343,8 +372,8 @@ class FacePipeline:
         decision: Decision = self.decide(values, subjects, assessment, threshold=threshold)
         return decision
 
-    def similarity(self, probe: Template, references: View) -> Float32:
-        """Fused scores of a probe against people: of each, the best pair of views.
+    def head_scores(self, probe: Template, references: View) -> Float32:
+        """Every head's own scores of a probe against people: of each, the best pair of views.
 
         Parameters
         ----------
@@ -354,14 +383,17 @@ class FacePipeline:
 
         Returns
         -------
-        (S,) float32
-            One score a subject; higher = more alike.
+        (H, S) float32
+            Each head on its own scale, higher = more alike; NaN where it could not compare.
 
         Raises
         ------
         ParameterError
             A template was made by another pipeline.
         """
+        return self._compared(probe, references)[0]
+
+    def _compared(self, probe: Template, references: View) -> tuple[Float32, NDArray[np.bool_]]:
         count = len(references.subjects)
         for made_by in (probe.fingerprint, references.fingerprint if count else None):
             if made_by not in (None, self.fingerprint):
@@ -370,14 +402,41 @@ class FacePipeline:
                     f"{self.fingerprint[:12]}: enrol again, or use the model that made it"
                 )
         if count == 0:
+            return np.empty((len(self.heads), 0), np.float32), np.empty(0, bool)
+        return compared(self.heads, probe, references, self.normalise)
+
+    def similarity(
+        self, probe: Template, references: View, *, cohort: View | None = None
+    ) -> Float32:
+        """Fused scores of a probe against people: heads normalised one by one, then fused.
+
+        Parameters
+        ----------
+        probe : Template
+        references : View
+            As for `head_scores`.
+        cohort : View, optional
+            Faces of people who are nobody here, which give every head's scores their scale.
+
+        Returns
+        -------
+        (S,) float32
+            One score a subject; higher = more alike. NaN where no head could compare. Heads
+            that work pair by pair see a shortlist; nobody beyond it beats anybody on it.
+
+        Raises
+        ------
+        ParameterError
+            A template was made by another pipeline.
+        DegenerateError
+            Neither cohort nor gallery gives the scores a scale, and `normalise` needs one.
+        """
+        scores, listed = self._compared(probe, references)
+        if scores.shape[1] == 0:
             return np.empty(0, np.float32)
-        per_head = [
-            per_subject(head.classify.similarity(p, g).max(axis=0), owners, count=count)
-            for head, p, g, owners in zip(
-                self.heads, probe.vectors, references.vectors, references.owners, strict=True
-            )
-        ]
-        return np.asarray(self.fuse(np.stack(per_head)), dtype=np.float32)
+        others = None if cohort is None else self.head_scores(probe, cohort)
+        fused = np.asarray(self.fuse(self.normalise(scores, others)), dtype=np.float32)
+        return capped(fused, listed)
 
     @cached_property
     def fingerprint(self) -> str:

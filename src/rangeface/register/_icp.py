@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from rangeface.errors import ParameterError
 from rangeface.io.reference import default_reference
 from rangeface.numerics import icp as kernels
 from rangeface.numerics.pose_search import rotation_grid
+from rangeface.register._outcome import outcome
 from rangeface.types import Alignment, Face, Float32, Reason, ReferenceFace, RigidTransform
 
 _GATES = np.array([25] * 3 + [18] * 3 + [12] * 4 + [10] * 12, np.float32)
@@ -102,22 +105,13 @@ def _attempt(
         model, projection, image.points, pixel_weights(face), rotation, translation,
         gates_mm=_GATES, scales_mm=_SCALES,
     )  # fmt: skip
-    correlation = kernels.relief_correlation(
+    correlation = kernels.relief(
         model, fit.rotation, fit.translation, projection, image.points
-    )
+    ).correlation
     pose = RigidTransform(_proper(fit.rotation), fit.translation, target="camera", source="face")
     transform = pose.inverse()
-    reason = _refusal(fit, correlation, transform, *limits)
-    return Alignment(
-        transform=transform,
-        rms_mm=fit.rms_mm,
-        overlap=fit.overlap,
-        inliers=fit.inliers,
-        condition=fit.condition,
-        converged=reason is None,
-        reason=reason,
-        correlation=correlation,
-    )
+    reason = refusal(fit, correlation, transform, *limits)
+    return replace(outcome(fit, transform, reason), correlation=correlation)
 
 
 def pixel_weights(face: Face) -> Float32:
@@ -133,7 +127,7 @@ def pixel_weights(face: Face) -> Float32:
     return (weights / np.median(weights[usable])).astype(np.float32)
 
 
-def _refusal(
+def refusal(
     fit: kernels.Fit,
     correlation: float,
     transform: RigidTransform,

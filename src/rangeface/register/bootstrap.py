@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from rangeface.errors import DegenerateError
 from rangeface.numerics.resample import mirrored
-from rangeface.types import Float32, Mask, Orthographic, RangeImage, ReferenceFace
+from rangeface.types import Float32, Orthographic, RangeImage, ReferenceFace
 
 #: Fewer faces than this do not make a mean.
 MIN_FACES = 10
 #: Deeper than this behind the nose tip a head is ear and neck, not face.
 _DEEPEST_MM = 105.0
+#: The median's nose tip lies within this of the base's.
+_TIP_WITHIN_MM = 20.0
 #: No pixel is known better than this, mm.
 _FLOOR_MM = 0.5
 
@@ -35,7 +38,8 @@ def bootstrap(frontals: Sequence[RangeImage], base: ReferenceFace) -> ReferenceF
     Returns
     -------
     ReferenceFace
-        On the grid of the frontal images; σ is 1.4826 MAD over people.
+        On the grid of the frontal images, its nose tip at the origin; σ is 1.4826 MAD over
+        people, or the base's where that is larger.
 
     Raises
     ------
@@ -50,32 +54,52 @@ def bootstrap(frontals: Sequence[RangeImage], base: ReferenceFace) -> ReferenceF
     measured = [_measured(image) for image in frontals]
     both = np.stack(measured + [mirrored(depth, camera.cx) for depth in measured])
     enough = np.isfinite(both).mean(axis=0) >= 0.6
-    outline = _outline(base, camera)
+    outline = np.isfinite(_sampled(base, base.image.depth, camera))
     usable = enough & outline & (mirrored(outline.astype(np.float32), camera.cx) > 0)
     median = np.full(usable.shape, np.nan)
     median[usable] = np.nanmedian(both[:, usable], axis=0)
     spread = np.full_like(median, np.nan)
     spread[usable] = 1.4826 * np.nanmedian(np.abs(both[:, usable] - median[usable]), axis=0)
     usable &= median < _DEEPEST_MM
+    # a gallery is mostly neutral: how far a mouth moves, only the base knows
+    spread = np.fmax(np.fmax(spread, _sampled(base, base.image.sigma, camera)), _FLOOR_MM)
+    tip_y, tip_z = _nose_tip(np.where(usable, median, np.nan), camera)
     image = RangeImage(
-        np.where(usable, median, np.nan),
-        camera,
-        sigma=np.where(usable, np.maximum(spread, _FLOOR_MM), np.nan),
+        np.where(usable, median - tip_z, np.nan),
+        replace(camera, cy=camera.cy + tip_y / camera.pitch_mm),
+        sigma=np.where(usable, spread, np.nan),
     )
     return ReferenceFace(image, base.landmarks, f"median of {len(frontals)} gallery faces")
+
+
+def _nose_tip(depth: Float32, camera: Orthographic) -> tuple[float, float]:
+    """Height and depth, mm, of the most protruding point of the midline near the origin."""
+    columns = np.abs(np.arange(camera.width) - camera.cx) <= 1.0
+    rows = np.flatnonzero(
+        np.abs(np.arange(camera.height) - camera.cy) * camera.pitch_mm <= _TIP_WITHIN_MM
+    )
+    profile = depth[np.ix_(rows, columns)].mean(axis=1)
+    if not np.isfinite(profile).all():
+        return 0.0, 0.0
+    k = int(np.clip(profile.argmin(), 1, len(profile) - 2))
+    a, b, c = profile[k - 1 : k + 2]
+    shift = 0.5 * (a - c) / max(a - 2.0 * b + c, 1e-6)  # vertex of the parabola through three
+    y = (rows[k] + np.clip(shift, -0.5, 0.5) - camera.cy) * camera.pitch_mm
+    return float(y), float(b - 0.25 * (a - c) * shift)
 
 
 def _measured(image: RangeImage) -> Float32:
     return image.depth if image.filled is None else np.where(image.filled, np.nan, image.depth)
 
 
-def _outline(base: ReferenceFace, camera: Orthographic) -> Mask:
-    """Where the base reference has a face, seen on another grid."""
+def _sampled(base: ReferenceFace, plane: Float32 | None, camera: Orthographic) -> Float32:
+    """A plane of the base reference at the pixels of another grid, NaN outside."""
     shape = (camera.height, camera.width)
     points = camera.back_project(np.zeros(shape, np.float32))
     uv = np.rint(base.image.camera.project(points)).astype(int)
     height, width = base.image.shape
     inside = (uv[..., 0] >= 0) & (uv[..., 0] < width) & (uv[..., 1] >= 0) & (uv[..., 1] < height)
-    outline = np.zeros(shape, bool)
-    outline[inside] = base.image.mask[uv[inside][:, 1], uv[inside][:, 0]]
-    return outline
+    out = np.full(shape, np.nan, np.float32)
+    if plane is not None:
+        out[inside] = plane[uv[inside][:, 1], uv[inside][:, 0]]
+    return out

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from rangeface.errors import ParameterError
 from rangeface.io.reference import default_reference
 from rangeface.numerics import icp
 from rangeface.numerics.pose_search import pool, protrusions, rotation_grid
+from rangeface.numerics.projection import Projection
 from rangeface.numerics.se3 import head_angles
+from rangeface.segment._confidence import confidence, cues
+from rangeface.segment._crop import face_at
 from rangeface.types import (
-    Face,
     Faces,
     Float32,
     Float64,
@@ -24,7 +26,10 @@ from rangeface.types import (
     Reason,
     ReferenceFace,
     RigidTransform,
+    revision,
 )
+
+Indices: TypeAlias = NDArray[np.intp]
 
 #: A face covers at least this (mm²) even when turned to a half profile.
 _MIN_AREA_MM2 = 4000.0
@@ -36,8 +41,19 @@ _ROLLS_DEG = (-25.0, 0.0, 25.0)
 _APART_MM = 200.0
 #: A refined pose may leave the searched range by this much.
 _STRAY_DEG = 15.0
+#: Where the reference finds nothing sure, a smaller one is tried: faces differ in size.
+_SIZES = (1.0, 0.88)
+_SURE = 0.9
 _GATES = np.array([30, 25, 20, 20, 15, 15, 12, 12, 10, 10], np.float32)
 _SCALES = np.array([12, 10, 8, 8, 6, 6, 5, 5, 4, 4], np.float32)
+
+
+class View(NamedTuple):
+    """An image at the resolution of the search: points, weights of the pixels, projection."""
+
+    points: Float32
+    weights: Float32
+    projection: Projection
 
 
 class _Hypothesis(NamedTuple):
@@ -45,7 +61,12 @@ class _Hypothesis(NamedTuple):
     rotation: Float64
     translation: Float64
 
+    @property
+    def pose(self) -> RigidTransform:
+        return RigidTransform(self.rotation, self.translation, target="camera", source="face")
 
+
+@revision(2)
 def slices(
     image: RangeImage,
     *,
@@ -54,15 +75,15 @@ def slices(
     min_gap_mm: float = 60.0,
     max_yaw_deg: float = 60.0,
     max_faces: int = 8,
-    min_confidence: float = 0.3,
+    min_confidence: float = 0.5,
 ) -> Faces:
     """Find the faces of an image: slice by range, connect, search each region, crop by a sphere.
 
     The histogram of depth is cut at its valleys; each slice is opened and split into connected
     regions. In a region, every point that protrudes along some viewing axis is a candidate for
     the nose tip; candidates × yaw × pitch × roll are scored against the reference face, the
-    best are refined by ICP and scored again. What remains is cropped by a sphere around its
-    nose tip.
+    best are refined by ICP and verified: fit, relief, and what contradicts a face give its
+    confidence. What remains is cropped by a sphere around its nose tip.
 
     Parameters
     ----------
@@ -79,7 +100,7 @@ def slices(
     max_faces : int
         At most this many, the most confident, ≥ 1.
     min_confidence : float
-        0 … 1: part of the visible reference face that must be explained.
+        0 … 1: least probability that it is a face, before a wall, a hand or a shoulder.
 
     Returns
     -------
@@ -104,7 +125,7 @@ def slices(
     if not found:
         return Faces(reason=Reason.NO_FACE)
     distinct = _distinct(sorted(found, key=lambda h: -h.score), _APART_MM)[:max_faces]
-    return Faces([_face(image, reference, h, radius_mm) for h in distinct])
+    return Faces([face_at(image, reference, h.pose, h.score, radius_mm) for h in distinct])
 
 
 def regions(image: RangeImage, min_gap_mm: float) -> list[Mask]:
@@ -148,37 +169,40 @@ def _grid(max_yaw_deg: float) -> Float64:
 
 def _search(image: RangeImage, reference: ReferenceFace, max_yaw_deg: float) -> list[_Hypothesis]:
     """Poses of faces in one region, best first: all candidates roughly, the best ones closely."""
-    pixel_mm = image.camera.pixel_mm(float(np.nanmedian(image.depth)))
-    factor = max(round(_SEARCH_PIXEL_MM / pixel_mm), 1)
-    points = pool(image.points, factor)
-    projection = image.camera.projection.pooled(factor)
-    weights = np.ones(points.shape[:2], np.float32)
+    (points, weights, projection), pixel_mm = pooled(
+        image, float(np.median(image.depth[image.mask]))
+    )
     rotations = _grid(max_yaw_deg)
-    tips = _candidates(points, rotations, radius_px=max(round(25.0 / (factor * pixel_mm)), 1))
+    tips, along = protruding(points, rotations, pixel_mm)
     if len(tips) == 0:
         return []
     rough, close = icp.Model(*reference.surface(80)), icp.Model(*reference.surface(400))
 
-    R = np.tile(rotations, (len(tips), 1, 1))
-    t = np.repeat(tips, len(rotations), axis=0)
-    grid = icp.scores(rough, R, t, projection, points, tolerance_mm=12.0)
-    starts = _best_per_tip(grid.reshape(len(tips), -1), rotations)
+    tip, turn = np.nonzero(along)
+    grid = np.full(along.shape, -1.0, np.float32)
+    grid[tip, turn] = icp.scores(
+        rough, rotations[turn], tips[tip], projection, points, tolerance_mm=12.0
+    )
+    tip, turn = _best_per_tip(grid, rotations)
     R, t = icp.align_many(
-        rough, projection, points, weights, R[starts], t[starts],
+        rough, projection, points, weights, rotations[turn], tips[tip],
         gates_mm=_GATES[:6], scales_mm=_SCALES[:6],
     )  # fmt: skip
     order = np.argsort(-icp.scores(rough, R, t, projection, points, tolerance_mm=9.0))[:20]
-    R, t = icp.align_many(
-        close, projection, points, weights, R[order], t[order],
-        gates_mm=_GATES[4:], scales_mm=_SCALES[4:],
-    )  # fmt: skip
-    fits = icp.scores(close, R, t, projection, points, tolerance_mm=8.0)
     hypotheses = []
-    for score, R_k, t_k in zip(fits, R, t, strict=True):
-        if not _plausible(R_k, max_yaw_deg):
-            continue
-        relief = icp.relief_correlation(close, R_k, t_k, projection, points)
-        hypotheses.append(_Hypothesis(float(score) * max(relief, 0.0), R_k, t_k))
+    for size in _SIZES:
+        model = close.sized(size)
+        refined = icp.align_many(
+            model, projection, points, weights, R[order], t[order],
+            gates_mm=_GATES[4:], scales_mm=_SCALES[4:],
+        )  # fmt: skip
+        hypotheses += [
+            _Hypothesis(confidence(cues(model, R_k, t_k, projection, points)), R_k, t_k)
+            for R_k, t_k in zip(*refined, strict=True)
+            if _plausible(R_k, max_yaw_deg)
+        ]
+        if any(h.score >= _SURE for h in hypotheses):
+            break
     return _distinct(sorted(hypotheses, key=lambda h: -h.score), 60.0)
 
 
@@ -192,24 +216,36 @@ def _plausible(rotation: Float64, max_yaw_deg: float) -> bool:
     )
 
 
-def _candidates(points: Float32, rotations: Float64, radius_px: int) -> Float64:
-    """Points (n, 3) that protrude along some axis, thinned to one a cell of 10 mm."""
-    pixels = protrusions(points, rotations, radius_px=radius_px)
+def pooled(image: RangeImage, distance_mm: float) -> tuple[View, float]:
+    """The image at the resolution of the search, and the width of its pixels, mm."""
+    pixel_mm = image.camera.pixel_mm(distance_mm)
+    factor = max(round(_SEARCH_PIXEL_MM / pixel_mm), 1)
+    points = pool(image.depth, image.camera.projection, factor)
+    weights = np.ones(points.shape[:2], np.float32)
+    return View(points, weights, image.camera.projection.pooled(factor)), factor * pixel_mm
+
+
+def protruding(points: Float32, rotations: Float64, pixel_mm: float) -> tuple[Float64, Mask]:
+    """Points (n, 3) that protrude along some axis, one a cell of 10 mm; along which (n, r)."""
+    pixels, along = protrusions(points, rotations, radius_px=max(round(25.0 / pixel_mm), 1))
     tips = points[pixels[:, 0], pixels[:, 1]].astype(np.float64)
-    _, first = np.unique(np.floor(tips / 10.0).astype(np.int64), axis=0, return_index=True)
-    return tips[np.sort(first)]
+    cells = np.floor(tips / 10.0).astype(np.int64)
+    _, first, cell = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+    merged = np.zeros((len(first), len(rotations)), bool)
+    np.logical_or.at(merged, cell.ravel(), along)
+    return tips[first], merged
 
 
-def _best_per_tip(grid: Float32, rotations: Float64) -> list[int]:
-    """Flat indices of each tip's best rotation and of its best one at least 30° away."""
-    starts: list[int] = []
+def _best_per_tip(grid: Float32, rotations: Float64) -> tuple[Indices, Indices]:
+    """Each tip with its best rotation, and with its best one at least 30° away."""
     best = grid.argmax(axis=1)
     # trace(RᵀQ) = 1 + 2 cos(angle)
     cosines = 0.5 * (np.einsum("aij,bij->ab", rotations, rotations) - 1.0)
-    for k, first in enumerate(best):
-        others = np.where(cosines[first] < np.cos(np.deg2rad(29.0)), grid[k], -1.0)
-        starts += [k * len(rotations) + int(first), k * len(rotations) + int(others.argmax())]
-    return starts
+    others = np.where(cosines[best] < np.cos(np.deg2rad(29.0)), grid, -1.0)
+    second = others.argmax(axis=1)
+    has_second = others.max(axis=1) > 0.0
+    tips = np.arange(len(grid))
+    return np.r_[tips, tips[has_second]], np.r_[best, second[has_second]]
 
 
 def _distinct(hypotheses: list[_Hypothesis], radius_mm: float) -> list[_Hypothesis]:
@@ -219,29 +255,6 @@ def _distinct(hypotheses: list[_Hypothesis], radius_mm: float) -> list[_Hypothes
         if all(np.linalg.norm(h.translation - k.translation) > radius_mm for k in kept):
             kept.append(h)
     return kept
-
-
-def _face(
-    image: RangeImage, reference: ReferenceFace, hypothesis: _Hypothesis, radius_mm: float
-) -> Face:
-    """Crop by the sphere, and carry the reference's landmarks over by the pose."""
-    tip = hypothesis.translation
-    inside = np.linalg.norm(image.points - tip.astype(np.float32), axis=-1) <= radius_mm
-    rows, cols = np.flatnonzero(inside.any(axis=1)), np.flatnonzero(inside.any(axis=0))
-    crop = image.masked(inside).crop(
-        int(cols[0]), int(rows[0]), int(cols[-1] - cols[0]) + 1, int(rows[-1] - rows[0]) + 1
-    )
-    pose = RigidTransform(hypothesis.rotation, tip, target="camera", source="face")
-    landmarks: Mapping[str, Float64] = {
-        name: pose.apply(point) for name, point in reference.landmarks.items()
-    }
-    return Face(
-        image=crop,
-        nose_tip=tip,
-        landmarks=landmarks,
-        confidence=hypothesis.score,
-        pose=pose.inverse(),
-    )
 
 
 def _check(

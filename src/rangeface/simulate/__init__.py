@@ -17,6 +17,7 @@ from rangeface.simulate._morphable import MorphableModel, ict_facekit
 from rangeface.simulate._scene import Scene, pose, render
 from rangeface.simulate._sequence import Frame, Motion, sequence
 from rangeface.simulate._shapes import ball, wall
+from rangeface.simulate._things import cushion, hand, shoulders
 from rangeface.simulate._tof import Buckets, amplitude, buckets, decode, tof
 
 __all__ = [
@@ -40,9 +41,11 @@ __all__ = [
     "capture",
     "coarsen",
     "collection",
+    "cushion",
     "decode",
     "degrade",
     "frames",
+    "hand",
     "head",
     "ict_facekit",
     "mean_head",
@@ -52,6 +55,7 @@ __all__ = [
     "random_point",
     "render",
     "sequence",
+    "shoulders",
     "tof",
     "triangulate",
     "wall",

@@ -185,7 +185,8 @@ def _view(
     seen = triangle >= 0
     hit = triangle[seen]
     reflectivity, shine = (np.zeros(triangle.shape, np.float32) for _ in range(2))
-    mean_look = look[triangles].sum(axis=1) / np.float32(3.0)
+    corners = look[triangles.T]  # added by hand: a sum over an axis of three is five times slower
+    mean_look = (corners[0] + corners[1] + corners[2]) / np.float32(3.0)
     reflectivity[seen], shine[seen] = mean_look[hit].T
     part, own = np.full(triangle.shape, -1, np.int16), np.full(triangle.shape, -1, np.int32)
     part[seen] = surface[hit]

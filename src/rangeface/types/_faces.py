@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from functools import cached_property
+from functools import cached_property, lru_cache
 from types import MappingProxyType
 
 import numpy as np
@@ -22,6 +22,7 @@ class Reason(StrEnum):
 
     NO_VALID_PIXELS = "no valid pixels"
     NO_FACE = "no face found"
+    LOST = "face lost"
     TOO_FEW_POINTS = "too few points"
     NOT_CONVERGED = "registration did not converge"
     POOR_FIT = "surface does not fit a face"
@@ -201,18 +202,22 @@ class ReferenceFace:
         A point weighs 1/(1 + σ²/σ₀²) with σ₀ the median of `image.sigma`: where people differ
         most, the reference says least.
         """
-        usable = np.isfinite(self.normals[..., 2])
-        stride = max(float(np.sqrt(usable.sum() / count)), 1.0)
-        rows, cols = (np.arange(0.5 * (stride - 1.0), n, stride).astype(int) for n in usable.shape)
-        lattice = np.zeros_like(usable)
-        lattice[np.ix_(rows, cols)] = True
-        chosen = usable & lattice
-        weights = np.ones(int(chosen.sum()), np.float32)
-        if self.image.sigma is not None:
-            sigma = self.image.sigma
-            weights = 1.0 / (1.0 + (sigma[chosen] / np.median(sigma[usable])) ** 2)
-        return (
-            np.ascontiguousarray(self.image.points[chosen]),
-            np.ascontiguousarray(self.normals[chosen]),
-            np.ascontiguousarray(weights, dtype=np.float32),
-        )
+        return _surface(self, count)
+
+
+@lru_cache(maxsize=32)  # every scan asks for the same few
+def _surface(reference: ReferenceFace, count: int) -> tuple[Float32, Float32, Float32]:
+    image, usable = reference.image, np.isfinite(reference.normals[..., 2])
+    stride = max(float(np.sqrt(usable.sum() / count)), 1.0)
+    rows, cols = (np.arange(0.5 * (stride - 1.0), n, stride).astype(int) for n in usable.shape)
+    lattice = np.zeros_like(usable)
+    lattice[np.ix_(rows, cols)] = True
+    chosen = usable & lattice
+    weights = np.ones(int(chosen.sum()), np.float32)
+    if image.sigma is not None:
+        weights = 1.0 / (1.0 + (image.sigma[chosen] / np.median(image.sigma[usable])) ** 2)
+    return (
+        frozen(image.points[chosen], np.float32, "points", None),
+        frozen(reference.normals[chosen], np.float32, "normals", None),
+        frozen(weights, np.float32, "weights", None),
+    )

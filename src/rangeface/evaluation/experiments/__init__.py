@@ -1,1 +1,37 @@
-"""one file a question."""
+"""One file a question; `EXPERIMENTS` lists those that `rangeface experiment NAME` runs."""
+
+from rangeface.evaluation.experiments import (
+    denoise_by_recognition,
+    feature_noise,
+    operating_map,
+    population_against_ict,
+    registration,
+    sweeps,
+    table1,
+    table2,
+    table3,
+    table4,
+    table5,
+    table6,
+    table7,
+    table8,
+)
+from rangeface.evaluation.experiments._experiment import Experiment
+
+#: Name → experiment, in the order in which `rangeface experiment all` runs them.
+EXPERIMENTS: dict[str, Experiment] = {
+    "table1": table1.EXPERIMENT,
+    "table2": table2.EXPERIMENT,
+    "table3": table3.EXPERIMENT,
+    "table4": table4.EXPERIMENT,
+    "table5": table5.EXPERIMENT,
+    "table6": table6.EXPERIMENT,
+    "table7": table7.EXPERIMENT,
+    "table8": table8.EXPERIMENT,
+    "registration": registration.EXPERIMENT,
+    "sweeps": sweeps.EXPERIMENT,
+    "operating_map": operating_map.EXPERIMENT,
+    "denoise_by_recognition": denoise_by_recognition.EXPERIMENT,
+    "feature_noise": feature_noise.EXPERIMENT,
+    "population_against_ict": population_against_ict.EXPERIMENT,
+}

@@ -15,6 +15,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from rangeface import register
+from rangeface.evaluation.experiments.sources import Source
 from rangeface.numerics.se3 import rotation_matrix
 from rangeface.pipeline import Step
 from rangeface.simulate import head, mean_head, render
@@ -75,10 +76,11 @@ def ict_heads(path: Path) -> Surfaces:
 
 
 def own_heads() -> Surfaces:
-    """People of `rangeface.simulate` by number: every capture is another session, all neutral."""
+    """People of `rangeface.simulate` by number; both probes are taken on another day."""
 
     def surface(person: int, role: str, rng: np.random.Generator) -> PointSet:
-        return head(person, session=ROLES.index(role)).surface
+        expression, day = role.removesuffix(" again"), int(role not in TRAINING)
+        return head(person, expression=expression, session=day).surface
 
     return surface
 
@@ -95,10 +97,11 @@ class Capture(NamedTuple):
 
 
 @lru_cache(maxsize=2)
-def captures(surfaces: Surfaces, people: range) -> dict[str, list[Capture]]:
-    """All captures of these people by role."""
+def captures(source: Source) -> dict[str, list[Capture]]:
+    """All captures of the people of a source by role."""
+    surfaces = ict_heads(Path(source.folder)) if source.kind == "ict" else own_heads()
     return {
-        role: [taken(surfaces, person, number) for person in people]
+        role: [taken(surfaces, person, number) for person in source.numbers]
         for number, role in enumerate(ROLES)
     }
 

@@ -7,8 +7,7 @@ between people, a map of where they differ, and rank-1 of three features with la
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +15,14 @@ from scipy.spatial import cKDTree
 
 from rangeface import describe, simulate
 from rangeface.classify import PCA
+from rangeface.errors import ParameterError
+from rangeface.evaluation.error_rates import Rate
+from rangeface.evaluation.experiments._experiment import Experiment, Results
+from rangeface.evaluation.experiments.sources import Source
+from rangeface.evaluation.findings import Entry, Findings, Table
+from rangeface.evaluation.grid import Arrays, Cell, Store, cell, kept
+from rangeface.evaluation.pictures import canvas, png, tile
 from rangeface.numerics.se3 import best_fit
-from rangeface.numerics.statistics import wilson
 from rangeface.types import Float32, Float64, Mask, Orthographic, RangeImage, RigidTransform
 
 Population: TypeAlias = Callable[..., simulate.Head]
@@ -34,62 +39,94 @@ FEATURES: dict[str, Callable[[RangeImage], Float32]] = {
 }
 
 
-def run(
-    *,
-    seed: int = 0,
-    ict: str | Path,
-    people: int = 200,
-    pairs: int = 60,
-    nose_errors_mm: tuple[float, ...] = (3.0, 0.0),
-    folder: Path | None = None,
-) -> dict[str, Any]:
-    """Compare the own population with ICT-FaceKit.
+PAIRS = 60  # of people whose distance is measured
+NOSE_ERRORS_MM = (3.0, 0.0)  # σ of the nose tip in x and in y, gallery and probes
+TITLE = "Are our simulated people as different, and as hard to recognise, as a published model's?"
+SIDES = ("own", "ict")
 
-    Parameters
-    ----------
-    seed : int
-        Of the nose errors.
-    ict : str or Path
-        The user's copy, as for `simulate.ict_facekit`.
-    people : int
-        People in the gallery.
-    pairs : int
-        Pairs of people whose distance is measured.
-    nose_errors_mm : tuple of float
-        Standard deviations of the nose tip in x and in y, gallery and probes, mm.
-    folder : Path, optional
-        Where contact sheets and variance maps are drawn.
+
+# ── cells ────────────────────────────────────────────────────────────────────────────────
+
+
+@kept
+def measured(
+    store: Store,
+    *,
+    source: Source,
+    side: str,
+    pairs: int = PAIRS,
+    nose_errors_mm: tuple[float, ...] = NOSE_ERRORS_MM,
+) -> Arrays:
+    """One population under the protocol.
 
     Returns
     -------
     dict
-        For "own" and "ict": distances by vertex and by closest point (mm), rank-1 of every
-        feature with its interval, variance over regions (mm²); and the ratios.
+        "distances_mm" (by vertex, by closest point), "hits" (errors, features) of as many probes
+        as people, "variance_mm2" (80, 50).
     """
-    model = simulate.ict_facekit(ict)
-    populations: dict[str, Population] = {"own": simulate.head, "ict": model.head}
-    means = {"own": simulate.mean_head().surface.points, "ict": model.mean}
-    result: dict[str, Any] = {
-        "people": people,
-        "pairs": pairs,
-        "nose_errors_mm": list(nose_errors_mm),
+    population, mean = _population(source, side)
+    apart = distances(population, mean, pairs)
+    hits = [
+        [rate.count for rate in difficulty(population, source.persons, e, source.seed).values()]
+        for e in nose_errors_mm
+    ]
+    return {
+        "distances_mm": np.array([apart["by_vertex_mm"], apart["by_closest_point_mm"]]),
+        "hits": np.array(hits),
+        "variance_mm2": variance_map(population, source.persons),
     }
-    for name, population in populations.items():
-        result[name] = {
-            **distances(population, means[name], pairs),
-            "rank1": {
-                f"{error} mm": difficulty(population, people, error, seed)
-                for error in nose_errors_mm
-            },
-            "regions": regions(variance_map(population, people)),
-        }
-    result["ratio"] = {
-        kind: result["own"][kind] / result["ict"][kind]
-        for kind in ("by_vertex_mm", "by_closest_point_mm")
-    }
-    if folder is not None:
-        draw(populations, folder)
-    return result
+
+
+def _population(source: Source, side: str) -> tuple[Population, Float32]:
+    if side == "own":
+        return simulate.head, simulate.mean_head().surface.points
+    model = simulate.ict_facekit(source.folder)
+    return model.head, model.mean
+
+
+def cells(source: Source) -> list[Cell]:
+    """A cell a population."""
+    if source.kind != "ict":
+        raise ParameterError("data: population_against_ict needs ict:PATH, a copy of ICT-FaceKit")
+    return [cell(measured, source=source, side=side) for side in SIDES]
+
+
+def tabulate(source: Source, results: Results) -> Findings:
+    """Distances, rank 1 and where people differ, side by side; and pictures to look at."""
+    own, ict = (results(one) for one in cells(source))
+    apart = [
+        [name, f"{a:.2f}", f"{b:.2f}", f"{a / b:.2f}"]
+        for name, a, b in zip(
+            ("by vertex", "by closest point"), own["distances_mm"], ict["distances_mm"], strict=True
+        )
+    ]
+    ranks: list[list[object]] = [
+        [f"{error:g} mm", feature]
+        + [Entry(Rate.of(int(side["hits"][e, f]), source.persons)) for side in (own, ict)]
+        for e, error in enumerate(NOSE_ERRORS_MM)
+        for f, feature in enumerate(FEATURES)
+    ]
+    where = [regions(side["variance_mm2"]) for side in (own, ict)]
+    places = [[name, *(f"{side[name]:.1f}" for side in where)] for name in where[0]]
+    return Findings(
+        TITLE, "Do results on simulated people carry over to people of another model?",
+        readings=[
+            f"{source.persons} people enrolled neutral, laughing probes; nearest neighbour after "
+            "PCA; the nose tip is wrong by the stated σ.",
+        ],
+        tables=[
+            Table("distances", f"RMS distance of {PAIRS} pairs of people, mm",
+                  ["distance", "own", "ICT-FaceKit", "ratio"], apart),
+            Table("rank1", "Rank 1, % [95 %]", ["nose error", "feature", *SIDES], ranks),
+            Table("regions", "Variance of the depth over parts of the face, mm²",
+                  ["part", *SIDES], places),
+        ],
+        figures=[
+            *(_contact_sheet(source, side) for side in SIDES),
+            _variance_maps(own["variance_mm2"], ict["variance_mm2"]),
+        ],
+    )  # fmt: skip
 
 
 # ── how far apart people are ─────────────────────────────────────────────────────────────
@@ -143,7 +180,7 @@ def _rms(values: Float64) -> float:
 
 def difficulty(
     population: Population, people: int, nose_error_mm: float, seed: int
-) -> dict[str, dict[str, float | int]]:
+) -> dict[str, Rate]:
     """Rank-1 of every feature at one size of the nose tip's error."""
     images = frontals(population, people, nose_error_mm, seed)
     return {name: rank1(images, feature) for name, feature in FEATURES.items()}
@@ -173,9 +210,7 @@ def _frontal(head: simulate.Head, error_mm: Float64) -> RangeImage:
     return RangeImage(np.where(inside, behind, np.nan), CAMERA)
 
 
-def rank1(
-    images: dict[str, list[RangeImage]], feature: Callable[[RangeImage], Float32]
-) -> dict[str, float | int]:
+def rank1(images: dict[str, list[RangeImage]], feature: Callable[[RangeImage], Float32]) -> Rate:
     """Rank-1 of the nearest neighbour after PCA on the gallery, with its 95 % interval."""
     gallery, probes = (
         np.stack([feature(image).ravel() for image in images[role]])
@@ -183,9 +218,7 @@ def rank1(
     )
     pca = PCA(n_components=COMPONENTS).fit(gallery)
     scores = pca.similarity(pca.transform(probes), pca.transform(gallery))
-    hits = int((scores.argmax(axis=1) == np.arange(len(probes))).sum())
-    low, high = wilson(hits, len(probes))
-    return {"rate": hits / len(probes), "low": low, "high": high, "n": len(probes)}
+    return Rate.of(int((scores.argmax(axis=1) == np.arange(len(probes))).sum()), len(probes))
 
 
 # ── where they differ ────────────────────────────────────────────────────────────────────
@@ -222,29 +255,19 @@ def _regions() -> dict[str, Mask]:
 # ── to look at ───────────────────────────────────────────────────────────────────────────
 
 
-def draw(populations: dict[str, Population], folder: Path, people: int = 24) -> list[Path]:
-    """Contact sheets of both populations and their variance maps side by side, as PNG files."""
-    from matplotlib.figure import Figure
+def _contact_sheet(source: Source, side: str, people: int = 24) -> tuple[str, bytes]:
+    population, _ = _population(source, side)
+    shown = [np.repeat(shaded(population(k))[..., None], 3, axis=-1) for k in range(people)]
+    return f"The first {people} people: {side}", png(tile(shown, [""] * people, columns=8))
 
-    folder.mkdir(parents=True, exist_ok=True)
-    files = []
-    for name, population in populations.items():
-        figure = Figure(figsize=(12, 9))
-        for k, axes in enumerate(figure.subplots(4, people // 4).ravel()):
-            axes.imshow(shaded(population(k)), cmap="gray", vmin=0, vmax=1)
-            axes.set_axis_off()
-        figure.tight_layout()
-        files.append(folder / f"contact_{name}.png")
-        figure.savefig(files[-1], dpi=80)
-    figure = Figure(figsize=(7, 4))
-    for axes, (name, population) in zip(figure.subplots(1, 2), populations.items(), strict=True):
-        shown = axes.imshow(np.sqrt(variance_map(population, 100)), vmin=0, vmax=12)
-        axes.set_title(f"{name}: deviation of depth, mm")
+
+def _variance_maps(*maps: NDArray[np.float64]) -> tuple[str, bytes]:
+    figure = canvas((7.0, 4.0))
+    for axes, variance, side in zip(figure.subplots(1, 2), maps, SIDES, strict=True):
+        shown = axes.imshow(np.sqrt(variance), vmin=0, vmax=12)
+        axes.set_title(side)
         figure.colorbar(shown, ax=axes)
-    figure.tight_layout()
-    files.append(folder / "variance.png")
-    figure.savefig(files[-1], dpi=80)
-    return files
+    return "Standard deviation of the depth between people, mm", png(figure)
 
 
 def shaded(head: simulate.Head, *, yaw_deg: float = 20.0) -> NDArray[np.float64]:
@@ -255,3 +278,6 @@ def shaded(head: simulate.Head, *, yaw_deg: float = 20.0) -> NDArray[np.float64]
     light = np.clip(view.normal @ (lamp / np.linalg.norm(lamp)), 0.0, 1.0)
     fine = np.where(np.isfinite(view.depth), 0.1 + 0.9 * light, 1.0)
     return np.asarray(fine.reshape(260, 3, 200, 3).mean(axis=(1, 3)))
+
+
+EXPERIMENT = Experiment(TITLE, cells, tabulate, persons=200, minutes=5.0)

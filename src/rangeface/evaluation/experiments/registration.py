@@ -1,0 +1,102 @@
+"""How many faces does registration turn frontal, by view? The paper: 85 %."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rangeface import register
+from rangeface.evaluation.error_rates import Rate
+from rangeface.evaluation.experiments._experiment import Experiment, Results
+from rangeface.evaluation.experiments.sources import SCANNER_MM, Source, sitting
+from rangeface.evaluation.experiments.stages import SLICES, scans, unpack
+from rangeface.evaluation.findings import Entry, Findings, Table
+from rangeface.evaluation.grid import Arrays, Cell, Store, cell, kept
+from rangeface.numerics.se3 import rotation_angle
+from rangeface.pipeline import Step, step
+from rangeface.simulate import VIEWS
+
+#: Frontal and upright: every angle of the turned face is below this, degrees.
+UPRIGHT_DEG = 5.0
+TITLE = "Registration: faces turned frontal and upright"
+PAPER = 85.0
+_ICP = step(register.icp)
+
+
+@kept
+def alignments(
+    store: Store, *, source: Source, view: str, segment: Step = SLICES, register: Step = _ICP
+) -> Arrays:
+    """Registration of every scan of a view.
+
+    Returns
+    -------
+    dict
+        "found", "converged" (n,) bool; "error_deg" (n,): angle to the true pose, NaN where it is
+        not known or nothing converged.
+    """
+    packed = store.get(cell(scans, source=source, view=view))
+    rows = []
+    for number, person in enumerate(packed["owner"].tolist()):
+        faces = segment(unpack(packed, number))
+        alignment = register(faces[0]) if faces else None
+        done = alignment is not None and alignment.converged
+        error = np.nan
+        if alignment is not None and done and source.simulated:
+            truth, _ = sitting(source.numbers[person], view, SCANNER_MM)
+            rest = alignment.transform.rotation @ truth.rotation
+            error = float(np.rad2deg(rotation_angle(rest)))
+        rows.append((bool(faces), done, error))
+    found, converged, errors = zip(*rows, strict=True)
+    return {
+        "found": np.array(found), "converged": np.array(converged), "error_deg": np.array(errors)
+    }  # fmt: skip
+
+
+def cells(source: Source) -> list[Cell]:
+    """A cell a view."""
+    return [cell(alignments, source=source, view=view) for view in views(source)]
+
+
+def views(source: Source) -> tuple[str, ...]:
+    """All views of the source."""
+    return ("gallery", "probe") if source.kind == "rap3df" else tuple(VIEWS)
+
+
+def tabulate(source: Source, results: Results) -> Findings:
+    """A row a view, and all of them together."""
+    found = {view: results(cell(alignments, source=source, view=view)) for view in views(source)}
+    rows = [[view, *_entries([result], source)] for view, result in found.items()]
+    turned = [r for view, r in found.items() if view not in ("left", "right")]
+    rows.append(["all but profiles to the side", *_entries(turned, source, PAPER)])
+    rows.append(["all", *_entries(list(found.values()), source)])
+    header = ["view", "face found", "registered", f"within {UPRIGHT_DEG:g}° of the truth"]
+    return Findings(
+        TITLE, "How many faces can be rotated to a frontal and upright view?",
+        readings=list(READINGS),
+        tables=[Table("registration", "Faces, % [95 %] (paper)", header, rows)],
+    )  # fmt: skip
+
+
+def _entries(results: list[Arrays], source: Source, paper: float | None = None) -> list[object]:
+    def share(flags: list[np.ndarray]) -> Rate:
+        joined = np.concatenate(flags)
+        return Rate.of(int(joined.sum()), len(joined))
+
+    near = [np.nan_to_num(r["error_deg"], nan=np.inf) <= UPRIGHT_DEG for r in results]
+    return [
+        Entry(share([r["found"] for r in results])),
+        Entry(share([r["converged"] for r in results]), None if source.simulated else paper),
+        Entry(share(near), paper) if source.simulated else "",
+    ]
+
+
+READINGS = (
+    "The paper turns 85 % of the faces of its database frontal with ICP to a reference face; it "
+    "does not say which scans, nor what counts as frontal. We count an angle of at most 5° to the "
+    "true pose where the truth is known, else what the registration itself accepts.",
+    "Faces looking to the side by 90° show half a face and are counted apart.",
+    "The paper's second method, ICP against the mirrored face (82 % of faces inclined by at most "
+    "30°), is not part of this package.",
+)
+
+EXPERIMENT = Experiment(TITLE, cells, tabulate, persons=61, minutes=2.0)
