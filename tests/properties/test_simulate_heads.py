@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_limits
 
 from rangeface import simulate
 from rangeface.simulate import Tissue
@@ -185,3 +186,15 @@ def test_the_triangles_of_the_head_close_the_head():
     columns = 135
     assert (counts == 1).sum() == 2 * columns  # the crown and the shoulders only
     assert counts.max() == 2
+
+
+def test_a_head_does_not_depend_on_the_number_of_threads():
+    from rangeface.simulate import _head
+
+    def laughing(threads):
+        for cached in (_head._person, _head._stoutness, _head._hair):
+            cached.cache_clear()
+        with threadpool_limits(threads):
+            return simulate.head(5, expression="laugh", session=1).surface.points
+
+    np.testing.assert_array_equal(laughing(1), laughing(2))

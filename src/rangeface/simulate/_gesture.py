@@ -145,4 +145,4 @@ def gesture(expression: str, strength: float, *, person: int, rng: np.random.Gen
     manner = np.random.default_rng([person, 0x5141]).normal(1.0, 0.25, len(ACTIONS))
     weights = np.array([blend.get(name, 0.0) for name in ACTIONS]) * np.clip(manner, 0.4, 1.6)
     weights = (strength * weights).astype(np.float32)
-    return np.tensordot(weights, _action_basis(), axes=1).astype(np.float64)
+    return np.einsum("k,k...", weights, _action_basis()).astype(np.float64)

@@ -184,7 +184,7 @@ def _person(seed: int, sex: str | None, age: float | None) -> _Person:
     rng = np.random.default_rng([seed, 0x4EAD])
     anatomy = mean_anatomy()
     weights = _weights(rng, sex, age)
-    points = anatomy.points + np.tensordot(weights.astype(np.float32), basis(), axes=1)
+    points = anatomy.points + np.einsum("k,k...", weights.astype(np.float32), basis())
     points[:, 2] -= sum(relief(anatomy, *band, rng=rng) for band in RELIEF)
     return _Person(
         points, rng.uniform(0.15, 0.45), float(np.clip(rng.normal(1.0, 0.08), 0.75, 1.25))
@@ -200,7 +200,7 @@ def _change(visit: np.random.Generator) -> Field:
 
 @lru_cache(maxsize=1)
 def _stoutness() -> Field:
-    return np.tensordot(tendencies()[2], basis(), axes=1)
+    return np.einsum("k,k...", tendencies()[2], basis())
 
 
 @lru_cache(maxsize=1)

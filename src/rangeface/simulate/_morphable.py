@@ -77,7 +77,7 @@ class MorphableModel:
             raise ParameterError(f"strength: must lie in 0 … 1.5, got {strength}")
         rng = np.random.default_rng([seed, 0x1C7])
         weights = np.clip(rng.normal(size=len(self.identity)), -_CLIP, _CLIP).astype(np.float32)
-        points = self.mean + np.tensordot(weights, self.identity, axes=1)
+        points = self.mean + np.einsum("k,k...", weights, self.identity)
         for name, weight in self._blend(expression, [seed, session, 0x6E57]).items():
             points = points + np.float32(strength * weight) * self.expressions[name]
         points = points - points[_most_forward(self.mean)]
