@@ -21,6 +21,7 @@ from rangeface.app.models import load_model
 from rangeface.app.progress import over
 from rangeface.config import load_pipeline
 from rangeface.errors import ParameterError, ScanError, ScanFault
+from rangeface.evaluation.captures import learners
 from rangeface.evaluation.protocol import (
     Capture,
     Rates,
@@ -130,8 +131,7 @@ def _adapted(way: FacePipeline, scans: Sequence[Scan]) -> FacePipeline:
     """The pipeline with the reference that the training (or gallery) captures give, if it wants."""
     if not way.adapt_reference:
         return way
-    known = [s for s in scans if s.role == "train"] or [s for s in scans if s.role == "gallery"]
-    captures = acquire(way, over(known, "reference face"))
+    captures = acquire(way, over(learners(scans), "reference face"))
     return way.adapted([c.trace for c in captures if c.trace is not None])
 
 

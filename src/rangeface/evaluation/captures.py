@@ -40,6 +40,21 @@ class Capture:
 Views: TypeAlias = dict[Capture, list[RangeImage]]
 
 
+def learners(scans: Sequence[Scan]) -> list[Scan]:
+    """The scans that a pipeline learns from: of role "train", or the gallery where there are none.
+
+    Parameters
+    ----------
+    scans : sequence of Scan
+
+    Returns
+    -------
+    list of Scan
+    """
+    training = [scan for scan in scans if scan.role == "train"]
+    return training or [scan for scan in scans if scan.role == "gallery"]
+
+
 def acquire(pipeline: FacePipeline, scans: Iterable[Scan]) -> list[Capture]:
     """Load and trace every scan; what fails is counted, and the run goes on.
 

@@ -2,6 +2,7 @@
 
 from rangeface.evaluation.experiments import (
     denoise_by_recognition,
+    denoise_on_captures,
     feature_noise,
     operating_map,
     population_against_ict,
@@ -32,6 +33,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "sweeps": sweeps.EXPERIMENT,
     "operating_map": operating_map.EXPERIMENT,
     "denoise_by_recognition": denoise_by_recognition.EXPERIMENT,
+    "denoise_on_captures": denoise_on_captures.EXPERIMENT,
     "feature_noise": feature_noise.EXPERIMENT,
     "population_against_ict": population_against_ict.EXPERIMENT,
 }

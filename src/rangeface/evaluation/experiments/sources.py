@@ -148,13 +148,9 @@ def scans_of(source: Source, view: str) -> list[tuple[int, RangeImage]]:
         if view not in VIEWS:
             raise ParameterError(f"view: unknown {view!r}; known: {', '.join(VIEWS)}")
         return [(k, _simulated(source, person, view)) for k, person in enumerate(source.numbers)]
-    scans = _database(source.kind, source.folder)
-    people = list(dict.fromkeys(scan.subject for scan in scans))[: source.persons]
-    found = [
-        (people.index(scan.subject), _one(scan))
-        for scan in scans
-        if scan.subject in people and _view(scan) == view
-    ]
+    scans = database(source)
+    people = list(dict.fromkeys(scan.subject for scan in scans))
+    found = [(people.index(scan.subject), _one(scan)) for scan in scans if _view(scan) == view]
     if not found:
         raise ParameterError(
             f"data: {source.kind} has no scans of the view {view!r} that this experiment needs"
@@ -219,6 +215,13 @@ def _population(kind: str, folder: str) -> str:
 
 
 # ── databases ────────────────────────────────────────────────────────────────────────────
+
+
+def database(source: Source) -> list[Scan]:
+    """The scans of the people of a source that is a database."""
+    scans = _database(source.kind, source.folder)
+    people = list(dict.fromkeys(scan.subject for scan in scans))[: source.persons]
+    return [scan for scan in scans if scan.subject in people]
 
 
 def _database(kind: str, folder: str) -> list[Scan]:
