@@ -65,7 +65,7 @@ def midline(
         points, weights, np.asarray(rotation, np.float64), np.asarray(translation, np.float64),
         half_width_mm, reach_mm, sums,
     )  # fmt: skip
-    y = _STEP_MM * np.arange(-bins, bins + 1)
+    y = _STEP_MM * np.arange(-bins, bins + 1, dtype=np.float64)
     window = np.exp(-0.5 * ((y[:, None] - y) / smooth_mm) ** 2)
     total, certainty = window @ sums[1], window @ sums[0]
     enough = certainty > 0.1 * np.median(certainty[certainty > 0]) if certainty.any() else False
@@ -124,6 +124,6 @@ def _collect(points, weights, R, t, half_width, reach, sums):  # type: ignore[no
             if abs(y) > reach or abs(z) > reach:
                 continue
             w = weights[i, j] * (1.0 - (x / half_width) ** 2)
-            k = middle + int(math.floor(y / _STEP_MM + 0.5))
+            k = middle + math.floor(y / _STEP_MM + 0.5)
             sums[0, k] += w
             sums[1, k] += w * z
