@@ -1,5 +1,7 @@
 """The experiment on finding and registering runs from end to end."""
 
+import json
+
 import pytest
 
 from rangeface.evaluation.experiments import registration_basin
@@ -16,5 +18,6 @@ def test_a_small_run_counts_everything_and_draws(tmp_path):
     middle = len(registration_basin.START_ANGLES) // 2
     assert result["basin"]["success"][middle][middle] == 1.0
     assert sum(result["face_free"]["scenes"].values()) == 6
+    assert json.loads(json.dumps(result))["people"] == 2
     registration_basin.draw(result, tmp_path / "basin.png")
     assert (tmp_path / "basin.png").stat().st_size > 1000

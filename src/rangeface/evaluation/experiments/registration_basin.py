@@ -180,7 +180,7 @@ def _plane_found(scan: Scan) -> bool:
         return False
     alignment = register.mirror(scan.face)
     cosine = abs(float(alignment.transform.rotation[0] @ scan.pose.rotation[:, 0]))
-    return alignment.converged and np.rad2deg(np.arccos(min(cosine, 1.0))) <= PLANE_DEG
+    return bool(alignment.converged and np.rad2deg(np.arccos(min(cosine, 1.0))) <= PLANE_DEG)
 
 
 # ── the basin of ICP ─────────────────────────────────────────────────────────────────────
