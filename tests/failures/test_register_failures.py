@@ -33,11 +33,12 @@ DEGENERATE = {
     "ball": _ball(90.0),
     "large ball": _ball(250.0),
     "twenty points": np.where(np.random.default_rng(1).random((144, 176)) < 8e-4, 400.0, np.nan),
+    "points on a line": np.where(np.indices((144, 176))[0] == 72, 400.0, np.nan),
     "nothing": np.full((144, 176), np.nan),
 }
 
 
-@pytest.mark.parametrize("method", ["icp", "mirror"])
+@pytest.mark.parametrize("method", ["icp", "mirror", "symmetric"])
 @pytest.mark.parametrize("name", DEGENERATE)
 def test_a_surface_without_a_pose_is_refused(name: str, method: str) -> None:
     alignment = register.METHODS[method](Face(RangeImage(DEGENERATE[name], CAMERA), TIP))
@@ -63,7 +64,8 @@ def test_no_face_is_found_in_it(name: str) -> None:
 def test_two_halves_that_are_no_mirror_images_have_no_pose() -> None:
     alignment = register.icp(Face(RangeImage(_two_left_halves(), CAMERA), TIP))
     mirrored = register.mirror(Face(RangeImage(_two_left_halves(), CAMERA), TIP))
-    for found in (alignment, mirrored):
+    both = register.symmetric(Face(RangeImage(_two_left_halves(), CAMERA), TIP))
+    for found in (alignment, mirrored, both):
         turned = np.rad2deg(np.abs(found.transform.head_angles)).max()
         assert not found.converged or turned < 10.0  # half a face is a face, in its own place
 
@@ -100,6 +102,9 @@ WRONG = {
     "radius_mm": lambda: register.mirror(FACE, radius_mm=0.0),
     "points": lambda: register.icp(FACE, points=10),
     "max_angle_deg": lambda: register.icp(FACE, max_angle_deg=0.0),
+    "radius_mm must": lambda: register.symmetric(FACE, radius_mm=0.0),
+    "max_change_deg": lambda: register.symmetric(FACE, max_change_deg=-1.0),
+    "points must": lambda: register.symmetric(FACE, points=10),
     "folds_mm": lambda: simulate.shoulders(folds_mm=-1.0, rng=np.random.default_rng(0)),
     "wrinkles_mm": lambda: simulate.cushion(wrinkles_mm=-1.0, rng=np.random.default_rng(0)),
 }

@@ -132,6 +132,31 @@ def _intercept(m, sigma_px):  # type: ignore[no-untyped-def]
     return mz - slope_u * mu - slope_v * mv
 
 
+def inverse_variances(sigma: NDArray[np.float32]) -> NDArray[np.float32]:
+    """1/σ² of points, bounded by what is typical.
+
+    Parameters
+    ----------
+    sigma : (n,) float32
+        mm; NaN or ≤ 0 where unknown.
+
+    Returns
+    -------
+    (n,) float32
+        mm⁻²: at most 16 times, and where σ is unknown a sixteenth of, that of the median σ
+        (of 1 mm if none is known).
+
+    Examples
+    --------
+    >>> inverse_variances(np.array([2.0, 2.0, 0.1, np.nan], np.float32))
+    array([0.25    , 0.25    , 4.      , 0.015625], dtype=float32)
+    """
+    known = np.isfinite(sigma) & (sigma > 0)
+    typical = float(np.median(sigma[known])) if known.any() else 1.0
+    bounded = np.where(known, np.maximum(sigma, 0.25 * typical), 4.0 * typical)
+    return (1.0 / bounded**2).astype(np.float32)
+
+
 def mirrored(plane: NDArray[np.float32], axis_column: float) -> NDArray[np.float32]:
     """A plane (H, W) mirrored about a column: c takes the value of 2·axis − c, NaN outside.
 

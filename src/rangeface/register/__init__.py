@@ -8,6 +8,7 @@ from rangeface.register._icp import icp
 from rangeface.register._landmarks import landmarks
 from rangeface.register._mirror import mirror
 from rangeface.register._none import none
+from rangeface.register._symmetric import symmetric
 from rangeface.register.bootstrap import bootstrap
 from rangeface.types import Alignment
 
@@ -17,6 +18,7 @@ METHODS: dict[str, Callable[..., Alignment]] = {
     "landmarks": landmarks,
     "mirror": mirror,
     "none": none,
+    "symmetric": symmetric,
 }
 
 #: name → resampling: (Face, Alignment) → frontal image.
@@ -32,4 +34,5 @@ __all__ = [
     "landmarks",
     "mirror",
     "none",
+    "symmetric",
 ]

@@ -68,22 +68,34 @@ def mirror(
     if not radius_mm > 0:
         raise ParameterError(f"radius_mm must be > 0, got {radius_mm}")
     start = face.pose if face.pose is not None else RigidTransform(np.eye(3), -face.nose_tip)
-    points, projection = _pooled(face)
-    model = _mirrored(points, start, radius_mm)
-    if len(model.points) < 100:
+    points, projection = pooled(face)
+    fit = reflection(points, projection, start, radius_mm)
+    if fit is None:
         return Alignment(start, converged=False, reason=Reason.TOO_FEW_POINTS)
-    first = start.inverse()
-    weights = np.ones(points.shape[:2], np.float32)
-    fit = kernels.align(
-        model, projection, points, weights, first.rotation, first.translation,
-        gates_mm=_GATES, scales_mm=_SCALES,
-    )  # fmt: skip
-    transform = _upright(fit, start, points)
-    reason = _refusal(fit, transform, max_rms_mm, min_overlap, max_angle_deg)
+    transform = _on_its_tip(upright(fit, start), points) if np.isfinite(fit.moved_mm) else start
+    reason = refusal(fit, transform, max_rms_mm, min_overlap, max_angle_deg)
     return outcome(fit, transform, reason)
 
 
-def _pooled(face: Face) -> tuple[Float32, Projection]:
+def reflection(
+    points: Float32, projection: Projection, start: RigidTransform, radius_mm: float
+) -> kernels.Fit | None:
+    """The face's mirror image at the middle plane of the start, fitted to the face.
+
+    None where fewer than 100 points lie within the radius.
+    """
+    model = _mirrored(points, start, radius_mm)
+    if len(model.points) < 100:
+        return None
+    first = start.inverse()
+    weights = np.ones(points.shape[:2], np.float32)
+    return kernels.align(
+        model, projection, points, weights, first.rotation, first.translation,
+        gates_mm=_GATES, scales_mm=_SCALES,
+    )  # fmt: skip
+
+
+def pooled(face: Face) -> tuple[Float32, Projection]:
     camera = face.image.camera
     factor = max(round(_PIXEL_MM / camera.pixel_mm(float(face.nose_tip[2]))), 1)
     points = pool(face.image.depth, camera.projection, factor)
@@ -103,10 +115,8 @@ def _mirrored(points: Float32, start: RigidTransform, radius_mm: float) -> kerne
     )
 
 
-def _upright(fit: kernels.Fit, start: RigidTransform, points: Float32) -> RigidTransform:
-    """The start, turned and shifted until the symmetry plane is x = 0 and the nose tip is at 0."""
-    if not np.isfinite(fit.moved_mm):
-        return start
+def upright(fit: kernels.Fit, start: RigidTransform) -> RigidTransform:
+    """The start, turned and shifted until the symmetry plane of a finite fit is x = 0."""
     # M p = Q p + v in the frame of the start
     Q = start.rotation @ fit.rotation @ _MIRROR
     v = start.rotation @ fit.translation + start.translation
@@ -117,8 +127,12 @@ def _upright(fit: kernels.Fit, start: RigidTransform, points: Float32) -> RigidT
     sine = float(np.linalg.norm(axis))
     turn = rotation_matrix(np.arcsin(min(sine, 1.0)) * axis / max(sine, 1e-12))
     shift = np.array([-(normal @ middle), 0.0, 0.0])
-    upright = RigidTransform(turn, shift, source="face") @ start
-    return RigidTransform(np.eye(3), -_nose_tip(upright.apply(points)), source="face") @ upright
+    return RigidTransform(turn, shift, source="face") @ start
+
+
+def _on_its_tip(pose: RigidTransform, points: Float32) -> RigidTransform:
+    """The pose, shifted until the nose tip of its profile is the origin."""
+    return RigidTransform(np.eye(3), -_nose_tip(pose.apply(points)), source="face") @ pose
 
 
 def _nose_tip(points: Float64) -> Float64:
@@ -132,7 +146,7 @@ def _nose_tip(points: Float64) -> Float64:
     return np.array([0.0, tip[1], tip[2]])
 
 
-def _refusal(
+def refusal(
     fit: kernels.Fit,
     transform: RigidTransform,
     max_rms_mm: float,

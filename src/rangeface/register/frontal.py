@@ -8,7 +8,8 @@ import numpy as np
 
 from rangeface.errors import NoFaceError, ParameterError
 from rangeface.io.reference import default_reference
-from rangeface.numerics.resample import mirrored, moving_least_squares
+from rangeface.numerics.normals import from_depth_orthographic
+from rangeface.numerics.resample import inverse_variances, mirrored, moving_least_squares
 from rangeface.types import (
     Alignment,
     Face,
@@ -117,13 +118,53 @@ def grid(width_mm: float, height_mm: float, width: int, height: int) -> Orthogra
     >>> grid(140.0, 224.0, 50, 80).pitch_mm
     2.8
     """
-    pitch_x, pitch_y = width_mm / width, height_mm / height
-    if not abs(pitch_x - pitch_y) <= 0.01 * pitch_x:
-        raise ParameterError(
-            f"width_mm, height_mm: {pitch_x:.3g} and {pitch_y:.3g} mm a pixel differ; "
-            "choose an extent with square pixels"
-        )
-    return Orthographic(pitch_x, (width - 1) / 2, (height - 1) / 2, width, height)
+    return Orthographic.centred(width_mm, height_mm, width, height)
+
+
+def incidence(frontal: RangeImage, face: Face, alignment: Alignment) -> Float32:
+    r"""Cosine of the angle under which the camera's rays met the surface of a frontal image.
+
+    .. math:: \cos θ = -n · \frac{p - c}{|p - c|}
+
+    with the point p and the unit normal n of a pixel and the camera's centre c in the face frame;
+    for a camera with parallel rays, their direction. 1 is head-on; a time-of-flight camera sees
+    little of, and errs most on, what it looks along.
+
+    Parameters
+    ----------
+    frontal : RangeImage
+        As `resample` makes it.
+    face : Face
+        The crop that it was made of: gives the camera.
+    alignment : Alignment
+        The one that it was made with.
+
+    Returns
+    -------
+    (H, W) float32
+        0 … 1; NaN where there is no depth, or a filled one. A normal that noise turns away from
+        the camera counts as 0.
+
+    Raises
+    ------
+    ParameterError
+        The image is not frontal: its camera is not orthographic.
+    """
+    camera = frontal.camera
+    if not isinstance(camera, Orthographic):
+        raise ParameterError("frontal: expected an image that `resample` made")
+    depth = frontal.depth
+    if frontal.filled is not None:
+        depth = np.where(frontal.filled, np.float32(np.nan), depth)
+    normals = from_depth_orthographic(depth, camera.pitch_mm)
+    transform = alignment.transform
+    if face.image.camera.projection.perspective:
+        rays = camera.back_project(depth) - transform.translation
+        rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+    else:
+        rays = np.broadcast_to(transform.rotation[:, 2], normals.shape)
+    cosines = -np.einsum("ijk,ijk->ij", normals, rays)
+    return np.clip(cosines, 0.0, 1.0).astype(np.float32)
 
 
 def _splat(
@@ -153,11 +194,7 @@ def _splat(
 def _weights(image: RangeImage, inside: np.ndarray) -> Float32:
     if image.sigma is None:
         return np.full(int(inside.sum()), 1.0 / _UNKNOWN_SIGMA_MM**2, np.float32)
-    sigma = image.sigma[image.mask][inside]
-    known = np.isfinite(sigma) & (sigma > 0)
-    typical = float(np.median(sigma[known])) if known.any() else _UNKNOWN_SIGMA_MM
-    sigma = np.where(known, np.maximum(sigma, 0.25 * typical), 4.0 * typical)
-    return (1.0 / sigma**2).astype(np.float32)
+    return inverse_variances(image.sigma[image.mask][inside])
 
 
 def _amplitudes(image: RangeImage, inside: np.ndarray) -> Float32:

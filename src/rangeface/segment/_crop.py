@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from rangeface.errors import ParameterError
 from rangeface.numerics.pose_search import within
 from rangeface.types import Face, Float64, RangeImage, ReferenceFace, RigidTransform
 
@@ -25,8 +27,38 @@ def face_at(
     )
 
 
-def sphere(image: RangeImage, centre: Float64, radius_mm: float) -> RangeImage:
-    """The smallest window of an image that holds its points within a sphere; no other point."""
+def sphere(image: RangeImage, centre: ArrayLike, radius_mm: float) -> RangeImage:
+    """The smallest window of an image that holds its points within a sphere; no other point.
+
+    Parameters
+    ----------
+    image : RangeImage
+        Any camera.
+    centre : (3,) array_like
+        Centre of the sphere in the camera frame, mm: the nose tip.
+    radius_mm : float
+        > 0.
+
+    Returns
+    -------
+    RangeImage
+        With the window's camera; without a valid pixel where the sphere meets no surface.
+
+    Raises
+    ------
+    ParameterError
+        The radius is not positive.
+
+    Examples
+    --------
+    >>> from rangeface.types import Orthographic
+    >>> wall = RangeImage(np.full((9, 9), 400.0), Orthographic(10.0, 4.0, 4.0, 9, 9))
+    >>> sphere(wall, [0.0, 0.0, 400.0], 25.0).mask.sum()
+    np.int64(21)
+    """
+    if not radius_mm > 0:
+        raise ParameterError(f"radius_mm must be > 0, got {radius_mm}")
+    centre = np.asarray(centre, np.float64)
     window = around(image, centre, radius_mm)
     inside = within(window.points, centre, radius_mm)
     rows, cols = np.flatnonzero(inside.any(axis=1)), np.flatnonzero(inside.any(axis=0))

@@ -112,6 +112,23 @@ class Orthographic:
             raise ParameterError(f"pitch_mm must be > 0, got {self.pitch_mm}")
         _check_grid(self)
 
+    @classmethod
+    def centred(cls, width_mm: float, height_mm: float, width: int, height: int) -> Orthographic:
+        """The camera of `width` × `height` pixels over the given extent, its axis at the centre.
+
+        Raises
+        ------
+        ParameterError
+            The pitches in x and y differ by more than 1 %.
+        """
+        pitch_x, pitch_y = width_mm / width, height_mm / height
+        if not abs(pitch_x - pitch_y) <= 0.01 * pitch_x:
+            raise ParameterError(
+                f"width_mm, height_mm: {pitch_x:.3g} and {pitch_y:.3g} mm a pixel differ; "
+                "choose an extent with square pixels"
+            )
+        return cls(pitch_x, (width - 1) / 2, (height - 1) / 2, width, height)
+
     def back_project(self, depth: ArrayLike) -> Float32:
         """Points of a depth image: (H, W) mm → (H, W, 3) mm, NaN where depth is."""
         z = np.asarray(depth, dtype=np.float32)

@@ -1,15 +1,16 @@
 """How far from frontal is a face still found and registered, and how often is none taken for one?
 
-Heads of known pose, clean and as an SR-3000 sees them: where the nose tip is put, whether two
-scans of one person are registered alike, how well the mirror finds the symmetry plane; from which
-start angles ICP arrives; and how many faces are found in scenes without one.
+Heads of known pose, clean and as an SR-3000 sees them: where the finder and where registration
+put the nose tip, whether two scans of one person are registered alike, how well the mirror finds
+the symmetry plane; from which start angles ICP arrives; and how many faces are found in scenes
+without one.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -35,16 +36,18 @@ POSES: dict[str, tuple[str, float, float]] = {
     "right 30": ("neutral", 30.0, 0.0),
     "left 45": ("neutral", -45.0, 0.0),
 }
+#: How the scans are registered.
+REGISTERED = ("icp", "symmetric")
 START_ANGLES = tuple(range(-60, 61, 10))
 
 
 class Scan(NamedTuple):
-    """A scan, the true pose T_camera_face, and what was made of it."""
+    """A scan, the true pose T_camera_face, and what was made of it; alignments by method."""
 
     image: RangeImage
     pose: RigidTransform
     face: Face | None
-    alignment: Alignment | None
+    alignments: Mapping[str, Alignment]
 
 
 def run(
@@ -107,7 +110,8 @@ def _scan(population: Callable[..., simulate.Head], person: int, name: str, nois
     image = view.image if noise == "clean" else simulate.tof(view, sensor, rng=rng)
     faces = segment.slices(image)
     face = faces[0] if faces else None
-    return Scan(image, pose, face, register.icp(face) if face else None)
+    alignments = {} if face is None else {m: register.METHODS[m](face) for m in REGISTERED}
+    return Scan(image, pose, face, alignments)
 
 
 def _sensor() -> sensors.SensorModel:
@@ -117,19 +121,25 @@ def _sensor() -> sensors.SensorModel:
 
 
 def _rates(people: list[dict[str, Scan]]) -> dict[str, Any]:
-    nose = {pose: [_nose_found(scans[pose]) for scans in people] for pose in POSES}
-    pair = {
-        pose: [_alike(scans["frontal"], scans[pose]) for scans in people]
-        for pose in POSES
-        if pose != "frontal"
+    turned = [pose for pose in POSES if pose != "frontal"]
+    tables: dict[str, dict[str, list[bool]]] = {
+        "nose": {pose: [_nose_found(scans[pose]) for scans in people] for pose in POSES},
+        "nose, registered": {
+            pose: [_nose_registered(scans[pose]) for scans in people] for pose in POSES
+        },
     }
-    plane = {
+    for method in REGISTERED:
+        tables[f"pair, {method}"] = {
+            pose: [_alike(scans["frontal"], scans[pose], method) for scans in people]
+            for pose in turned
+        }
+    tables["plane"] = {
         pose: [_plane_found(scans[pose]) for scans in people]
         for pose in ("frontal", "smile", "laugh", "left 15", "right 30")
     }
     return {
-        kind: {pose: _rate(int(sum(good)), len(good)) for pose, good in table.items()}
-        for kind, table in (("nose", nose), ("pair", pair), ("plane", plane))
+        kind: {pose: _rate(sum(good), len(good)) for pose, good in table.items()}
+        for kind, table in tables.items()
     }
 
 
@@ -145,14 +155,24 @@ def _nose_found(scan: Scan) -> bool:
     return bool(np.linalg.norm(scan.face.nose_tip - scan.pose.translation) <= NOSE_MM)
 
 
-def _alike(one: Scan, other: Scan) -> bool:
+def _nose_registered(scan: Scan) -> bool:
+    """Whether the origin of the registered face's frame is the nose tip."""
+    alignment = scan.alignments.get("symmetric")
+    if alignment is None or not alignment.converged:
+        return False
+    origin = alignment.transform.inverse().translation
+    return bool(np.linalg.norm(origin - scan.pose.translation) <= NOSE_MM)
+
+
+def _alike(one: Scan, other: Scan, method: str) -> bool:
     """Whether two scans of a person are turned into the same frame."""
     errors = []
     for scan in (one, other):
-        if scan.alignment is None or not scan.alignment.converged:
+        alignment = scan.alignments.get(method)
+        if alignment is None or not alignment.converged:
             return False
-        errors.append(scan.alignment.transform.rotation @ scan.pose.rotation)
-    return np.rad2deg(rotation_angle(errors[0] @ errors[1].T)) <= PAIR_DEG
+        errors.append(alignment.transform.rotation @ scan.pose.rotation)
+    return bool(np.rad2deg(rotation_angle(errors[0] @ errors[1].T)) <= PAIR_DEG)
 
 
 def _plane_found(scan: Scan) -> bool:
@@ -160,7 +180,7 @@ def _plane_found(scan: Scan) -> bool:
         return False
     alignment = register.mirror(scan.face)
     cosine = abs(float(alignment.transform.rotation[0] @ scan.pose.rotation[:, 0]))
-    return alignment.converged and np.rad2deg(np.arccos(min(cosine, 1.0))) <= PLANE_DEG
+    return bool(alignment.converged and np.rad2deg(np.arccos(min(cosine, 1.0))) <= PLANE_DEG)
 
 
 # ── the basin of ICP ─────────────────────────────────────────────────────────────────────
