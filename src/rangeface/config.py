@@ -43,7 +43,8 @@ STAGES: dict[str, Mapping[str, Callable[..., Any]]] = {
 }
 #: What the preset "default" is.
 _DEFAULT = "fusion-3d"
-_OPTIONAL = {"combine", "normalise", "fuse", "adapt_reference", "augment_deg"}
+_AUGMENT = ("augment_deg", "augment_noise")
+_OPTIONAL = {"combine", "normalise", "fuse", "adapt_reference", *_AUGMENT}
 _DEFAULTS = {
     "combine": {"method": "phasor_mean"},
     "normalise": {"method": "pooled"},
@@ -131,7 +132,7 @@ def from_toml(text: str) -> FacePipeline:
         raise ParameterError(f"broken TOML: {error}") from error
     unknown = sorted(set(table) - set(STAGES) - {"heads"} - _OPTIONAL)
     if unknown:
-        known = ", ".join([*STAGES, "heads", "adapt_reference", "augment_deg"])
+        known = ", ".join([*STAGES, "heads", "adapt_reference", *_AUGMENT])
         raise ParameterError(f"unknown slot {unknown[0]!r}; known: {known}")
     slots: dict[str, Any] = {
         slot: _step(slot, table.get(slot, _DEFAULTS.get(slot)), methods)
@@ -145,8 +146,9 @@ def from_toml(text: str) -> FacePipeline:
         if not isinstance(table["adapt_reference"], bool):
             raise ParameterError("adapt_reference: write true or false")
         extra["adapt_reference"] = table["adapt_reference"]
-    if "augment_deg" in table:
-        extra["augment_deg"] = tuple(float(a) for a in table["augment_deg"])
+    for slot in _AUGMENT:
+        if slot in table:
+            extra[slot] = _numbers(slot, table[slot])
     return FacePipeline(
         **slots, heads=tuple(_head(k, head) for k, head in enumerate(heads)), **extra
     )
@@ -166,6 +168,12 @@ def _method(
     if name not in methods:
         raise ParameterError(f"{slot}: unknown method {name!r}; known: {', '.join(methods)}")
     return methods[name], {k: v for k, v in entry.items() if k != "method"}
+
+
+def _numbers(slot: str, values: Any) -> tuple[float, ...]:
+    if not isinstance(values, list) or any(type(v) not in (int, float) for v in values):
+        raise ParameterError(f"{slot}: write a list of numbers, e.g. {slot} = [1.0, 3.0]")
+    return tuple(map(float, values))
 
 
 def _head(number: int, entry: dict[str, Any]) -> Head:
@@ -201,7 +209,7 @@ def to_toml(pipeline: FacePipeline) -> str:
         for slot, methods in STAGES.items()
     ]
     lines.append(f"adapt_reference = {_value(pipeline.adapt_reference)}")
-    lines.append(f"augment_deg = {_value(pipeline.augment_deg)}")
+    lines += [f"{slot} = {_value(getattr(pipeline, slot))}" for slot in _AUGMENT]
     for head in pipeline.heads:
         kinds = {kind: name for name, kind in classify.METHODS.items()}
         params = _pairs(kinds[type(head.classify)], head.classify.get_params().items())

@@ -11,6 +11,7 @@ from tests.conftest import sr3000_face
 
 from rangeface import config, denoise, describe, segment
 from rangeface.classify import MLDA, PCA
+from rangeface.denoise import median
 from rangeface.errors import NoFaceError, ParameterError
 from rangeface.gallery import stack
 from rangeface.pipeline import FacePipeline, Head, step
@@ -158,3 +159,25 @@ def test_an_unknown_preset_lists_the_known_ones() -> None:
         config.load_pipeline("nonsense")
     with pytest.raises(ParameterError, match="no such configuration file"):
         config.load_pipeline("nowhere.toml")
+
+
+def test_a_noisier_view_has_the_noise_that_it_states(fitted: FacePipeline) -> None:
+    trace = fitted.trace(sr3000_face(20)[0])
+    noisy = replace(fitted, augment_deg=(), augment_noise=(1.0,)).views(trace)
+    assert len(noisy) == 2
+    plain, more = (view.depth - median(view).depth for view in noisy)
+    assert 1.2 < np.nanstd(more) / np.nanstd(plain) < 2.5
+    # depth moves points along their rays too: neighbours are others
+    stated = np.nanmedian(noisy[1].sigma) / np.nanmedian(noisy[0].sigma)
+    assert stated == pytest.approx(np.sqrt(2.0), rel=0.25)
+    again = replace(fitted, augment_deg=(), augment_noise=(1.0,)).views(trace)
+    np.testing.assert_array_equal(noisy[1].depth, again[1].depth)
+
+
+def test_augmentation_is_a_list_of_numbers_in_a_configuration() -> None:
+    text = config.to_toml(config.load_pipeline("full-n-mlda"))
+    way = config.from_toml(text.replace("augment_noise = []", "augment_noise = [1, 3.0]"))
+    assert way.augment_noise == (1.0, 3.0)
+    for wrong in ("3.0", '["a"]', "[true]", "[-1.0]"):
+        with pytest.raises(ParameterError, match="augment_noise"):
+            config.from_toml(text.replace("augment_noise = []", f"augment_noise = {wrong}"))

@@ -17,6 +17,7 @@ from rangeface.denoise._flying_pixels import flying_pixels
 from rangeface.denoise._guided import guided
 from rangeface.denoise._median import median
 from rangeface.denoise._moving_least_squares import moving_least_squares
+from rangeface.denoise._noise import sigma_map
 from rangeface.denoise._non_local_means import non_local_means
 from rangeface.denoise._none import none
 from rangeface.denoise._normalized_convolution import normalized_convolution
@@ -55,5 +56,6 @@ __all__ = [
     "non_local_means",
     "none",
     "normalized_convolution",
+    "sigma_map",
     "total_variation",
 ]

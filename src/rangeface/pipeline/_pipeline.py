@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from rangeface.errors import DegenerateError, NoFaceError, ParameterError
 from rangeface.io.reference import default_reference
-from rangeface.numerics.se3 import rotation_matrix
 from rangeface.register.bootstrap import MIN_FACES, bootstrap
 from rangeface.segment import follow
 from rangeface.types import (
@@ -21,7 +20,6 @@ from rangeface.types import (
     Float32,
     RangeImage,
     ReferenceFace,
-    RigidTransform,
     Template,
 )
 
@@ -31,6 +29,7 @@ if TYPE_CHECKING:
     from rangeface.gallery import View
 
 
+from rangeface.pipeline._augment import noisier, turned
 from rangeface.pipeline._compare import capped, compared
 from rangeface.pipeline._fingerprint import fingerprint
 from rangeface.pipeline._head import Head
@@ -72,11 +71,14 @@ class FacePipeline:
     augment_deg : tuple of float
         Each training and enrolment face is also seen rotated by these angles about each of
         the three axes (the paper's twelve additional images).
+    augment_noise : tuple of float
+        Each training and enrolment face is also seen with these multiples of its sensor's σ
+        added: 3 makes about one frame of a mean of ten.
 
     Raises
     ------
     ParameterError
-        There is no head.
+        There is no head, or `augment_noise` is negative.
     """
 
     combine: Step
@@ -91,10 +93,13 @@ class FacePipeline:
     decide: Step
     adapt_reference: bool = False
     augment_deg: tuple[float, ...] = (-5.0, -2.5, 2.5, 5.0)
+    augment_noise: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.heads:
             raise ParameterError("heads: a pipeline needs at least one (describe, classify)")
+        if any(not 0.0 <= multiple < np.inf for multiple in self.augment_noise):
+            raise ParameterError(f"augment_noise: must be ≥ 0, got {self.augment_noise}")
 
     # ── one image ────────────────────────────────────────────────────────────────────────
 
@@ -189,7 +194,7 @@ class FacePipeline:
         return replace(trace, frontal=frontal, assessment=assessment, features=features)
 
     def views(self, trace: Trace) -> list[RangeImage]:
-        """The frontal image of a traced face, and those of the augmented rotations.
+        """The frontal image of a traced face, and those that the augmentation adds.
 
         Parameters
         ----------
@@ -199,7 +204,7 @@ class FacePipeline:
         Returns
         -------
         list of RangeImage
-            1 + 3 · len(augment_deg) images.
+            1 + 3 · len(augment_deg) + len(augment_noise) images.
 
         Raises
         ------
@@ -208,15 +213,10 @@ class FacePipeline:
         """
         if trace.face is None or trace.alignment is None or trace.frontal is None:
             raise NoFaceError(f"no face to learn from: {trace.reason}")
-        turned = [trace.frontal]
-        for axis in np.eye(3):
-            for angle in self.augment_deg:
-                turn = RigidTransform(
-                    rotation_matrix(np.deg2rad(angle) * axis), np.zeros(3), source="face"
-                )
-                alignment = replace(trace.alignment, transform=turn @ trace.alignment.transform)
-                turned.append(self.frontal(trace.face, alignment))
-        return turned
+        way = trace.face, trace.alignment, self.frontal
+        return [
+            trace.frontal, *turned(*way, self.augment_deg), *noisier(*way, self.augment_noise)
+        ]  # fmt: skip
 
     # ── the reference face ───────────────────────────────────────────────────────────────
 
