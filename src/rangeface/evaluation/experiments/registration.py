@@ -1,6 +1,8 @@
-"""How many faces does registration turn frontal, by view? The paper: 85 %."""
+"""How many faces does registration turn frontal, by view? The paper: 85 %, by symmetry 82 %."""
 
 from __future__ import annotations
+
+from itertools import product
 
 import numpy as np
 
@@ -18,8 +20,15 @@ from rangeface.simulate import VIEWS
 #: Frontal and upright: every angle of the turned face is below this, degrees.
 UPRIGHT_DEG = 5.0
 TITLE = "Registration: faces turned frontal and upright"
-PAPER = 85.0
+#: The paper's second method is counted on faces inclined by at most this, degrees.
+INCLINED_DEG = 30.0
 _ICP = step(register.icp)
+#: Method → its step, and the paper's rate.
+METHODS: dict[str, tuple[Step, float | None]] = {
+    "icp": (_ICP, 85.0),
+    "mirror": (step(register.mirror), 82.0),
+    "symmetric": (step(register.symmetric), None),
+}
 
 
 @kept
@@ -53,8 +62,13 @@ def alignments(
 
 
 def cells(source: Source) -> list[Cell]:
-    """A cell a view."""
-    return [cell(alignments, source=source, view=view) for view in views(source)]
+    """A cell a view and method."""
+    return [cell_of(source, view, name) for view, name in product(views(source), METHODS)]
+
+
+def cell_of(source: Source, view: str, name: str) -> Cell:
+    """The cell of a view and a method."""
+    return cell(alignments, source=source, view=view, register=METHODS[name][0])
 
 
 def views(source: Source) -> tuple[str, ...]:
@@ -63,18 +77,30 @@ def views(source: Source) -> tuple[str, ...]:
 
 
 def tabulate(source: Source, results: Results) -> Findings:
-    """A row a view, and all of them together."""
-    found = {view: results(cell(alignments, source=source, view=view)) for view in views(source)}
-    rows = [[view, *_entries([result], source)] for view, result in found.items()]
-    turned = [r for view, r in found.items() if view not in ("left", "right")]
-    rows.append(["all but profiles to the side", *_entries(turned, source, PAPER)])
-    rows.append(["all", *_entries(list(found.values()), source)])
-    header = ["view", "face found", "registered", f"within {UPRIGHT_DEG:g}° of the truth"]
+    """For each method a row a view, and those of several views."""
+    tables = []
+    for name, (_, paper) in METHODS.items():
+        found = {view: results(cell_of(source, view, name)) for view in views(source)}
+        rows = [[view, *_entries([result], source)] for view, result in found.items()]
+        for some, chosen in _together(source, name).items():
+            rows.append([some, *_entries([found[view] for view in chosen], source, paper)])
+        rows.append(["all", *_entries(list(found.values()), source)])
+        header = ["view", "face found", "registered", f"within {UPRIGHT_DEG:g}° of the truth"]
+        caption = f"Faces turned by `register.{name}`, % [95 %] (paper)"
+        tables.append(Table(name, caption, header, rows))
     return Findings(
         TITLE, "How many faces can be rotated to a frontal and upright view?",
-        readings=list(READINGS),
-        tables=[Table("registration", "Faces, % [95 %] (paper)", header, rows)],
+        readings=list(READINGS), tables=tables,
     )  # fmt: skip
+
+
+def _together(source: Source, name: str) -> dict[str, list[str]]:
+    """The views that the paper's rate is of."""
+    if source.kind == "rap3df":
+        return {}
+    most = INCLINED_DEG if name == "mirror" else 60.0
+    label = f"inclined by at most {most:g}°" if name == "mirror" else "all but profiles to the side"
+    return {label: [v for v, a in VIEWS.items() if max(abs(a.yaw_deg), abs(a.pitch_deg)) <= most]}
 
 
 def _entries(results: list[Arrays], source: Source, paper: float | None = None) -> list[object]:
@@ -95,8 +121,9 @@ READINGS = (
     "does not say which scans, nor what counts as frontal. We count an angle of at most 5° to the "
     "true pose where the truth is known, else what the registration itself accepts.",
     "Faces looking to the side by 90° show half a face and are counted apart.",
-    "The paper's second method, ICP against the mirrored face (82 % of faces inclined by at most "
-    "30°), is not part of this package.",
+    "The paper's second method, ICP against the mirrored face, turns 82 % of faces inclined by at "
+    "most 30°. Ours starts where the finder puts the head and keeps its pitch, which a plane of "
+    "symmetry does not show.",
 )
 
 EXPERIMENT = Experiment(TITLE, cells, tabulate, persons=61, minutes=2.0)
