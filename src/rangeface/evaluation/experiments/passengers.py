@@ -213,4 +213,4 @@ READINGS = (
     "A merge of two people costs one person in the count and up to two rows of the table.",
 )
 
-EXPERIMENT = Experiment(TITLE, cells, tabulate, persons=30, minutes=15.0)
+EXPERIMENT = Experiment(TITLE, cells, tabulate, persons=30, minutes=6.0)
