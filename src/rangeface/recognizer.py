@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from importlib.resources import as_file, files
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +31,7 @@ Frames = RangeImage | Sequence[RangeImage]
 
 #: People in a cohort: enough for a median and its deviation, few enough for every probe to meet.
 _COHORT = 60
+_SHIPPED = "default.model"
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,6 +327,23 @@ class FaceRecognizer:
                 "the methods' numbers have changed since this model was made; train it again",
             )  # fmt: skip
         return cls(pipeline, cohort, arrays["nonmated"], provenance)
+
+
+def default_model() -> bytes:
+    """The file of the model that ships, as `make reference` trains it."""
+    return (files("rangeface") / "data" / _SHIPPED).read_bytes()
+
+
+@lru_cache(maxsize=1)
+def default_recognizer() -> FaceRecognizer:
+    """The model that ships, read once.
+
+    Returns
+    -------
+    FaceRecognizer
+    """
+    with as_file(files("rangeface") / "data" / _SHIPPED) as path:
+        return FaceRecognizer.load(path)
 
 
 def _cohort(

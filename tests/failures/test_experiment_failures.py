@@ -2,6 +2,7 @@
 
 import builtins
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,9 +11,12 @@ from rangeface.app import cli
 from rangeface.errors import DegenerateError, ParameterError, ScanError
 from rangeface.evaluation import grid
 from rangeface.evaluation.comparisons import Comparisons, read_scores
-from rangeface.evaluation.experiments import EXPERIMENTS
+from rangeface.evaluation.experiments import EXPERIMENTS, models
 from rangeface.evaluation.experiments.sources import scans_of, source
 from rangeface.evaluation.findings import Claim, judge
+
+#: Experiments that ask the model that ships.
+OF_THE_MODEL = ("shipped_model", "non_faces", "passengers")
 
 
 def refusal(monkeypatch, capsys, *arguments):
@@ -32,9 +36,10 @@ def test_an_unknown_experiment(monkeypatch, capsys, tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["gavab", "rap3df", "ict"])
-def test_a_wrong_data_folder(monkeypatch, capsys, tmp_path, kind):
+@pytest.mark.parametrize("name", ["table1", *OF_THE_MODEL])
+def test_a_wrong_data_folder(monkeypatch, capsys, tmp_path, kind, name):
     data = f"{kind}:{tmp_path / 'nowhere'}"
-    line = refusal(monkeypatch, capsys, "experiment", "table1", "--data", data, "--out", tmp_path)
+    line = refusal(monkeypatch, capsys, "experiment", name, "--data", data, "--out", tmp_path)
     assert "nowhere" in line
 
 
@@ -49,17 +54,19 @@ def test_too_few_people():
         source("synthetic", persons=1)
 
 
-def test_a_full_disk(monkeypatch, capsys, tmp_path):
+@pytest.mark.parametrize("name", ["table1", "shipped_model"])
+def test_a_full_disk(monkeypatch, capsys, tmp_path, name):
     def full(file, **arrays):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(np, "savez", full)
-    arguments = ("experiment", "table1", "--persons", 2, "--executor", "serial", "--out", tmp_path)
+    arguments = ("experiment", name, "--persons", 2, "--executor", "serial", "--out", tmp_path)
     assert "No space left on device" in refusal(monkeypatch, capsys, *arguments)
     assert not [file for file in tmp_path.rglob("*") if file.is_file()]
 
 
-def test_the_extra_dask_is_missing(monkeypatch, capsys, tmp_path):
+@pytest.mark.parametrize("name", ["table1", *OF_THE_MODEL])
+def test_the_extra_dask_is_missing(monkeypatch, capsys, tmp_path, name):
     whole = builtins.__import__
 
     def without(name, *rest, **more):
@@ -68,7 +75,7 @@ def test_the_extra_dask_is_missing(monkeypatch, capsys, tmp_path):
         return whole(name, *rest, **more)
 
     monkeypatch.setattr(builtins, "__import__", without)
-    arguments = ("experiment", "table1", "--executor", "dask:tcp://x:1", "--out", tmp_path)
+    arguments = ("experiment", name, "--executor", "dask:tcp://x:1", "--out", tmp_path)
     assert "pip install 'rangeface[dask]'" in refusal(monkeypatch, capsys, *arguments)
 
 
@@ -88,7 +95,9 @@ def test_workers_that_die_again_and_again(monkeypatch, tmp_path):
         list(grid.executor("processes")(grid.Store(tmp_path), [[]]))
 
 
-@pytest.mark.parametrize("name", ["table8", "operating_map", "feature_noise", "table5"])
+@pytest.mark.parametrize(
+    "name", ["table8", "operating_map", "feature_noise", "table5", *OF_THE_MODEL]
+)
 def test_data_without_what_an_experiment_needs(name, data_folder):
     people = source(f"rap3df:{data_folder / 'rap3df_2017'}", persons=4)
     with pytest.raises(ParameterError, match="data: "):
@@ -98,6 +107,29 @@ def test_data_without_what_an_experiment_needs(name, data_folder):
 def test_only_ict_is_compared_with_ict():
     with pytest.raises(ParameterError, match="needs ict:PATH"):
         EXPERIMENTS["population_against_ict"].cells(source(persons=2))
+
+
+def test_passengers_walk_before_the_synthetic_camera_only():
+    ict = replace(source(persons=2), kind="ict", folder="somewhere")
+    with pytest.raises(ParameterError, match="synthetic only"):
+        EXPERIMENTS["passengers"].cells(ict)
+
+
+@pytest.mark.parametrize("name", OF_THE_MODEL)
+def test_another_model_never_meets_this_ones_results(monkeypatch, name):
+    people = source(persons=2)
+    kept = {grid.key(cell) for wave in grid.waves(EXPERIMENTS[name].cells(people)) for cell in wave}
+    monkeypatch.setattr(models, "shipped", lambda: "f" * 64)
+    other = {
+        grid.key(cell) for wave in grid.waves(EXPERIMENTS[name].cells(people)) for cell in wave
+    }
+    assert len(other) == len(kept)
+    assert not other & kept
+
+
+def test_a_worker_that_ships_another_model():
+    with pytest.raises(ParameterError, match="asked for 012345678901; all workers need the same"):
+        models.recognizer("0123456789" * 6 + "0123")
 
 
 def test_a_view_that_nobody_has():

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Sequence
-from functools import lru_cache
-from importlib.resources import as_file, files
 from pathlib import Path
 
 import numpy as np
@@ -18,21 +16,13 @@ from rangeface.config import load_pipeline
 from rangeface.errors import DegenerateError
 from rangeface.evaluation.protocol import Capture, acquire
 from rangeface.evaluation.training import training_scans
-from rangeface.recognizer import FaceRecognizer
+from rangeface.recognizer import FaceRecognizer, default_recognizer
 from rangeface.types import Scan
-
-SHIPPED = "default.model"
 
 
 def load_model(path: Path | None) -> FaceRecognizer:
     """The model of a file, or the one that ships."""
-    return FaceRecognizer.load(path) if path is not None else _shipped()
-
-
-@lru_cache(maxsize=1)
-def _shipped() -> FaceRecognizer:
-    with as_file(files("rangeface") / "data" / SHIPPED) as path:
-        return FaceRecognizer.load(path)
+    return FaceRecognizer.load(path) if path is not None else default_recognizer()
 
 
 def train(out: Path, folder: Path | None, *, people: int, seed: int, pipeline: str) -> None:
