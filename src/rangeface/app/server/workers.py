@@ -163,7 +163,8 @@ class Workers:
         except BaseException as error:
             if process.returncode is None:
                 process.kill()
-            _log.error("a worker did not start: %s", type(error).__name__)
+            if not isinstance(error, asyncio.CancelledError):  # the service is being stopped
+                _log.error("a worker did not start: %s", type(error).__name__)
             raise
         self._all.add(process)
         self._idle.put_nowait(process)
