@@ -15,6 +15,8 @@ A configuration is a picture of the dataclass::
     [[heads]]
     describe = { method = "normals" }
     classify = { method = "mlda", alpha = 6.0 }
+
+A head may say ``learned = "shipped"``: its classifier is the one of the model that ships.
 """
 
 from __future__ import annotations
@@ -180,8 +182,11 @@ def _head(number: int, entry: dict[str, Any]) -> Head:
     slot = f"heads[{number}]"
     describe_step = _step(f"{slot}.describe", entry.get("describe"), describe.METHODS)
     kind, params = _method(f"{slot}.classify", entry.get("classify"), classify.METHODS)
+    learned = entry.get("learned", "here")
+    if learned not in ("here", "shipped"):
+        raise ParameterError(f'{slot}.learned: write "here" or "shipped", got {learned!r}')
     try:
-        return Head(describe_step, kind(**params))
+        return Head(describe_step, kind(**params), shipped=learned == "shipped")
     except TypeError as error:
         raise ParameterError(f"{slot}.classify: {error}") from error
 
@@ -218,6 +223,7 @@ def to_toml(pipeline: FacePipeline) -> str:
             "[[heads]]",
             f"describe = {_entry('describe', head.describe, describe.METHODS)}",
             f"classify = {params}",
+            *(['learned = "shipped"'] if head.shipped else []),
         ]
     return "\n".join(lines) + "\n"
 

@@ -110,6 +110,7 @@ class FaceRecognizer:
         usable = [(t, s) for t, s in zip(traces, subjects, strict=True) if t.frontal is not None]
         if not usable:
             raise NoFaceError(f"none of {len(traces)} training images shows a face")
+        pipeline = with_shipped_heads(pipeline)
         fitted = pipeline.fit_views([pipeline.views(t) for t, _ in usable], [s for _, s in usable])
         first = {subject: trace for trace, subject in reversed(usable)}
         some = sorted(first)[:_COHORT]
@@ -344,6 +345,45 @@ def default_recognizer() -> FaceRecognizer:
     """
     with as_file(files("rangeface") / "data" / _SHIPPED) as path:
         return FaceRecognizer.load(path)
+
+
+def with_shipped_heads(pipeline: FacePipeline) -> FacePipeline:
+    """The pipeline with the classifiers that the shipped model has learned, where heads want them.
+
+    Parameters
+    ----------
+    pipeline : FacePipeline
+
+    Returns
+    -------
+    FacePipeline
+
+    Raises
+    ------
+    ParameterError
+        A head is to be a shipped one, and the shipped model has none with this feature and
+        classifier, or resamples faces in another way.
+    """
+    if not any(head.shipped for head in pipeline.heads):
+        return pipeline
+    known = default_recognizer().pipeline
+    if _grid(pipeline) != _grid(known):
+        raise ParameterError("heads: the shipped ones need the frontal grid of the preset default")
+    return replace(pipeline, heads=tuple(_shipped(head, known) for head in pipeline.heads))
+
+
+def _grid(pipeline: FacePipeline) -> dict[str, Any]:
+    return {k: v for k, v in pipeline.frontal.all_params().items() if k != "reference"}
+
+
+def _shipped(head: Head, known: FacePipeline) -> Head:
+    if not head.shipped:
+        return head
+    for other in known.heads:
+        alike = type(other.classify) is type(head.classify) and other.describe == head.describe
+        if alike and other.classify.get_params() == head.classify.get_params():
+            return replace(head, classify=other.classify)
+    raise ParameterError(f"heads: the model that ships has not learned this {head.describe.name}")
 
 
 def _cohort(

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from tests.conftest import sr3000_face
 
-from rangeface import config, describe
-from rangeface.classify import Direct, RegularizedLDA
-from rangeface.errors import DegenerateError
+from rangeface import config, describe, register
+from rangeface.classify import Direct, RegularizedLDA, fitted_state
+from rangeface.errors import DegenerateError, ParameterError
 from rangeface.gallery import MemoryGallery, open_gallery, stack
 from rangeface.io.arrays import read_arrays, write_arrays
 from rangeface.pipeline import FacePipeline, Head, step
-from rangeface.recognizer import FaceRecognizer
+from rangeface.recognizer import FaceRecognizer, default_recognizer, with_shipped_heads
 
 PEOPLE = tuple(range(70, 76))
 
@@ -43,6 +43,32 @@ def test_the_default_is_fusion_3d():
     default, fused = config.load_pipeline("default"), config.load_pipeline("fusion-3d")
     assert default.fingerprint == fused.fingerprint
     assert len(config.load_pipeline("fusion-3d-ir").heads) == len(fused.heads) + 1
+
+
+def test_the_infrared_preset_learns_only_its_infrared_head(images):
+    way = config.load_pipeline("fusion-3d-ir")
+    shown, names = list(images.values()), [str(person) for person, _ in images]
+    learned = FaceRecognizer.fit(replace(way, augment_deg=()), shown, names).pipeline
+    shipped = default_recognizer().pipeline
+    for head, other in zip(learned.heads, shipped.heads, strict=False):
+        assert head.classify is other.classify
+    assert fitted_state(learned.heads[-1].classify)
+    assert [head.shipped for head in learned.heads] == [True] * 5 + [False]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"heads": (Head(step(describe.normals), Direct(), shipped=True),)},
+        {"frontal": step(register.frontal.resample, width_mm=100.0, height_mm=160.0)},
+    ],
+)
+def test_a_shipped_head_that_the_model_does_not_have_is_refused(change):
+    way = replace(config.load_pipeline("fusion-3d-ir"), **change)
+    with pytest.raises(ParameterError, match="heads: the"):
+        with_shipped_heads(way)
+    with pytest.raises(ParameterError, match=r"learn with FaceRecognizer\.fit"):
+        way.fit_views([[None]], ["anna"])
 
 
 def test_heads_on_very_different_scales_are_fused_as_equals(recognizer, images):

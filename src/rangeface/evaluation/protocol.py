@@ -12,7 +12,7 @@ from rangeface.evaluation.captures import Capture, Views, acquire, stage_times
 from rangeface.evaluation.scores import Rates, Scores, rates
 from rangeface.gallery import View, stack
 from rangeface.pipeline import FacePipeline, Trace
-from rangeface.recognizer import FaceRecognizer
+from rangeface.recognizer import FaceRecognizer, with_shipped_heads
 from rangeface.types import Float64, Template
 
 __all__ = [
@@ -68,6 +68,7 @@ def compare(
         raise NoFaceError(f"no face in any of {len(training)} training scans")
     views = {} if views is None else views
     _add_views(views, pipeline, usable)
+    pipeline = with_shipped_heads(pipeline)
     fitted = pipeline.fit_views([views[c] for c in usable], [c.scan.subject for c in usable])
     return score(FaceRecognizer(fitted), captures, views=views)
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rangeface import describe
-from rangeface.classify import Matcher, rounded
+from rangeface.classify import Matcher, fitted_state, rounded
 from rangeface.decide import per_subject
-from rangeface.errors import DegenerateError
+from rangeface.errors import DegenerateError, ParameterError
 from rangeface.pipeline._step import Step
 from rangeface.types import Float32, RangeImage
 
@@ -29,10 +29,14 @@ class Head:
         Frontal image → array.
     classify : Matcher
         Estimator of `rangeface.classify`, fitted or not.
+    shipped : bool
+        The classifier is to be that of the model that ships, which has learned from a background
+        population: `recognizer.with_shipped_heads` puts it in, and `fit` leaves it as it is.
     """
 
     describe: Step
     classify: Matcher
+    shipped: bool = False
 
     def sees(self, view: RangeImage) -> bool:
         """Whether the image has what the feature needs: an infrared one needs the amplitude."""
@@ -50,7 +54,16 @@ class Head:
         ------
         DegenerateError
             No image has what the feature needs.
+        ParameterError
+            The classifier was to be the shipped one, and nobody has put it in.
         """
+        if self.shipped:
+            if not fitted_state(self.classify):
+                raise ParameterError(
+                    f"heads: {self.describe.name} is to be the shipped one: "
+                    "learn with FaceRecognizer.fit"
+                )
+            return self
         seen = [k for k, view in enumerate(views) if self.sees(view)]
         if not seen:
             raise DegenerateError(f"{self.describe.name}: no training capture has an amplitude")
