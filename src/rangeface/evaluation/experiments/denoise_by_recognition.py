@@ -286,8 +286,8 @@ READINGS = (
     "2 mm at 40 cm, then 80 × 50 of 2.8 mm.",
     "crop: the paper's noise on the crop, features without smoothing. scan: the same σ on the "
     "range image, features with their defaults. tof: σ ∝ 1/amplitude, the figure is the median.",
-    "Simulated people of our own population are neutral at all four captures, on four days; "
-    "those of ICT-FaceKit smile and laugh.",
+    "Training scans are neutral and smiling, probes neutral and laughing; the probes of our own "
+    "population are taken on another day.",
     "clean training knows neither noise nor denoiser, matched training has both.",
 )
 
