@@ -1,6 +1,7 @@
 """One file a question; `EXPERIMENTS` lists those that `rangeface experiment NAME` runs."""
 
 from rangeface.evaluation.experiments import (
+    denoise_auto,
     denoise_by_recognition,
     denoise_on_captures,
     feature_noise,
@@ -36,6 +37,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "sweeps": sweeps.EXPERIMENT,
     "operating_map": operating_map.EXPERIMENT,
     "denoise_by_recognition": denoise_by_recognition.EXPERIMENT,
+    "denoise_auto": denoise_auto.EXPERIMENT,
     "denoise_on_captures": denoise_on_captures.EXPERIMENT,
     "feature_noise": feature_noise.EXPERIMENT,
     "population_against_ict": population_against_ict.EXPERIMENT,
