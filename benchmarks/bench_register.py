@@ -14,6 +14,7 @@ CAMERAS = {
     "176 × 144": sensors.preset("sr3000").camera,
     "640 × 480": Pinhole(585.0, 585.0, 319.5, 239.5, 640, 480),
 }
+METHODS = (register.icp, register.symmetric)
 GATES = np.array([25] * 4 + [15] * 4 + [10] * 8, np.float32)
 SCALES = np.array([9] * 4 + [5] * 4 + [3] * 8, np.float32)
 
@@ -21,30 +22,44 @@ SCALES = np.array([9] * 4 + [5] * 4 + [3] * 8, np.float32)
 def stages() -> Iterator[tuple[str, str, dict[str, Callable[[], object]]]]:
     """Yield the stage, its size and the arms, each a callable without arguments."""
     for size, camera in CAMERAS.items():
-        images = [_image(camera, person) for person in range(4)]
+        images = [face_image(camera, person) for person in range(4)]
         faces = [segment.slices(image)[0] for image in images]
         alignments = [register.icp(face) for face in faces]
         pairs = list(zip(faces, alignments, strict=True))
-        yield "find a face, first time", size, {"ours": _turns(segment.slices, images)}
-        yield "follow a face", size, {"ours": _turns(_tracked(alignments), images)}
-        yield "register", size, {"ours": _turns(register.icp, faces)}
+        yield "find a face", size, {"ours": _turns(segment.slices, images)}
+        yield "register", size, {f"ours, {m.__name__}": _turns(m, faces) for m in METHODS}
+        yield (
+            "first detection: find, crop, register",
+            size,
+            {f"ours, {m.__name__}": _turns(_detected(m), images) for m in METHODS},
+        )
+        yield (
+            "tracked face: find, crop, register",
+            size,
+            {f"ours, {m.__name__}": _turns(_tracked(m, alignments), images) for m in METHODS},
+        )
         yield "resample", size, {"ours": _turns(lambda p: register.frontal.resample(*p), pairs)}
-        yield "ICP to the reference", size, _icp_arms(images)
+        yield "ICP to the reference", size, icp_arms(images)
 
 
-def _image(camera: Pinhole, person: int) -> RangeImage:
+def face_image(camera: Pinhole, person: int) -> RangeImage:
     pose = simulate.pose(yaw_deg=5.0 * person - 8.0, nose_tip_mm=(3.0, 5.0, 450.0))
     clean = simulate.render(simulate.head(person), camera, pose).image
     return simulate.add_noise(clean, 2.0, rng=np.random.default_rng(person))
 
 
-def _tracked(alignments: list) -> Callable[[RangeImage], object]:
+def _detected(method: Callable) -> Callable[[RangeImage], object]:
+    """Find, crop and register in an image of which nothing is known."""
+    return lambda image: method(segment.slices(image)[0])
+
+
+def _tracked(method: Callable, alignments: list) -> Callable[[RangeImage], object]:
     """Find, crop and register in the next frame, from the pose of the last one."""
     state = {"pose": alignments[0].transform}
 
     def step(image: RangeImage) -> object:
         faces = segment.follow(RangeImage(image.depth, image.camera, image.sigma), state["pose"])
-        alignment = register.icp(faces[0])
+        alignment = method(faces[0])
         state["pose"] = alignment.transform
         return alignment
 
@@ -62,7 +77,7 @@ def _turns(method: Callable, items: list) -> Callable[[], object]:
     return call
 
 
-def _starts(images: list[RangeImage]) -> list[tuple[RangeImage, np.ndarray, np.ndarray]]:
+def starts_of(images: list[RangeImage]) -> list[tuple[RangeImage, np.ndarray, np.ndarray]]:
     rng = np.random.default_rng(0)
     out = []
     for k in range(200):
@@ -72,10 +87,10 @@ def _starts(images: list[RangeImage]) -> list[tuple[RangeImage, np.ndarray, np.n
     return out
 
 
-def _icp_arms(images: list[RangeImage]) -> dict[str, Callable[[], object]]:
+def icp_arms(images: list[RangeImage]) -> dict[str, Callable[[], object]]:
     model = icp.Model(*default_reference().surface(1500))
     ones = {id(i): np.ones(i.shape, np.float32) for i in images}
-    starts = _starts(images)
+    starts = starts_of(images)
     arms = {
         "ours": _turns(
             lambda s: icp.align(
