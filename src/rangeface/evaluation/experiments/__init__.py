@@ -1,6 +1,7 @@
 """One file a question; `EXPERIMENTS` lists those that `rangeface experiment NAME` runs."""
 
 from rangeface.evaluation.experiments import (
+    best_system,
     denoise_by_recognition,
     denoise_on_captures,
     feature_noise,
@@ -35,6 +36,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "registration": registration.EXPERIMENT,
     "sweeps": sweeps.EXPERIMENT,
     "operating_map": operating_map.EXPERIMENT,
+    "best_system": best_system.EXPERIMENT,
     "denoise_by_recognition": denoise_by_recognition.EXPERIMENT,
     "denoise_on_captures": denoise_on_captures.EXPERIMENT,
     "feature_noise": feature_noise.EXPERIMENT,
