@@ -251,7 +251,9 @@ def _lost(scores: NDArray[np.float32], test: str) -> tuple[NDArray[np.bool_], ND
     """Probes that failed to acquire; people with whom nobody was ever compared."""
     missing = np.isnan(scores)
     asked = missing[:, :1] if test == "image" else missing
-    return asked.all(axis=(1, 2)), missing.all(axis=(0, 1))
+    not_acquired: NDArray[np.bool_] = np.asarray(asked.all(axis=(1, 2)))
+    not_enrolled: NDArray[np.bool_] = np.asarray(missing.all(axis=(0, 1)))
+    return not_acquired, not_enrolled
 
 
 READINGS = (
