@@ -115,6 +115,16 @@ def test_denoisers_are_compared_on_a_database(gavab, tmp_path):
 
 
 @pytest.mark.slow
+def test_a_database_has_no_time_of_flight_setting(gavab, tmp_path):
+    out = ("--executor", "serial", "--out", tmp_path)
+    experiment("best_system", "--data", f"gavab:{gavab}", *out)
+    table = rows(tmp_path / "best_system" / "best_system.csv")
+    assert {row[0][:7] for row in table[1:]} == {"table 6", "table 7"}
+    assert len(table) == 1 + 2 + 2 * 4
+    assert all(row[5].startswith("100") and row[6].startswith("0") for row in table[1:])
+
+
+@pytest.mark.slow
 def test_a_killed_run_goes_on_and_ends_with_the_same_bytes(tmp_path):
     def start(out):
         command = [sys.executable, "-c", "from rangeface.app.cli import main; main()"]

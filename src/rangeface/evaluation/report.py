@@ -30,10 +30,14 @@ td small { color: #555; } td i { color: #777; }
 }
 @page { size: A4 landscape; margin: 12mm; }
 @media print {
-  body { font-size: 9pt; max-width: none; margin: 0; padding: 0; color: #000; background: #fff; }
+  html { font-size: 9pt; }
+  body { font-size: 1rem; max-width: none; margin: 0; padding: 0; color: #000; background: #fff; }
+  h2 { margin-top: 1.4rem; } footer { margin-top: 1rem; }
   th, td { padding: .1rem .3rem; } .scroll { overflow-x: visible; }
+  td small, td i, figcaption, footer { color: #444; }
   figure, tr, h2 { break-inside: avoid; } h2 { break-after: avoid; }
-  thead { display: table-header-group; }
+  .scroll:not(:has(tr:nth-child(16))) { break-inside: avoid; }
+  thead { display: table-header-group; } figure img { max-height: 165mm; }
 }
 """
 

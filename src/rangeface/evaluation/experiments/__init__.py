@@ -1,6 +1,7 @@
 """One file a question; `EXPERIMENTS` lists those that `rangeface experiment NAME` runs."""
 
 from rangeface.evaluation.experiments import (
+    best_system,
     denoise_auto,
     denoise_by_recognition,
     denoise_on_captures,
@@ -36,6 +37,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "registration": registration.EXPERIMENT,
     "sweeps": sweeps.EXPERIMENT,
     "operating_map": operating_map.EXPERIMENT,
+    "best_system": best_system.EXPERIMENT,
     "denoise_by_recognition": denoise_by_recognition.EXPERIMENT,
     "denoise_auto": denoise_auto.EXPERIMENT,
     "denoise_on_captures": denoise_on_captures.EXPERIMENT,

@@ -1,8 +1,8 @@
 """Does the model that ships recognise people whom it has never met, and refuse strangers?
 
 People before the SR-3000: one enrolment of ten frames a person; on another day a neutral frame,
-twenty neutral frames, a smile and a laugh. Open set: five times as many strangers, twenty frames each.
-Nothing is learned from them. With ICT-FaceKit (a user's own copy) it is a population of which
+twenty neutral frames, a smile and a laugh. Open set: five times as many strangers, twenty frames
+each. Nothing is learned from them. With ICT-FaceKit (a user's own copy) it is a population of which
 the model has never seen anybody.
 """
 

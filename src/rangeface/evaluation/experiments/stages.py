@@ -136,14 +136,16 @@ def noisy_crops(
 ) -> Arrays:
     """Frontal images of scans that were given Gaussian noise, then denoised; as `crops`."""
     packed = store.get(scans)
-
-    def seen(number: int) -> RangeImage:
-        rng = np.random.default_rng([*seed, number, 0x015E])
-        return denoise(add_noise(unpack(packed, number), sigma_mm, rng=rng))
-
-    images = map(seen, range(len(packed["owner"])))
+    images = map(denoise, noisy(packed, sigma_mm, seed))
     shown = frontals(images, segment, register, frontal, turns_deg)
     return {"owner": packed["owner"], **shown}
+
+
+def noisy(packed: Arrays, sigma_mm: float, seed: tuple[int, ...]) -> Iterator[RangeImage]:
+    """Packed scans with Gaussian noise on every pixel, always the same."""
+    for number in range(len(packed["owner"])):
+        rng = np.random.default_rng([*seed, number, 0x015E])
+        yield add_noise(unpack(packed, number), sigma_mm, rng=rng)
 
 
 def frontals(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -173,15 +173,21 @@ def _crops(
     }
     if not psnr_db:
         return cell(crops, **way)
-    # every view has its own noise, and training another than probes
     noise = {
-        "sigma_mm": LEVELS[psnr_db] * GREY_MM,
+        **noise_of(source, view, psnr_db, training=bool(turns_deg)),
         "denoise": DENOISERS[denoiser],
-        "seed": (source.seed, int(bool(turns_deg)), *view.encode()),
     }
     if site == "crop":
         return cell(spoiled, crops=cell(crops, **way), **noise)
     return cell(noisy_crops, **way, **noise)
+
+
+def noise_of(
+    source: Source, view: str, psnr_db: float, *, training: bool = False
+) -> dict[str, Any]:
+    """σ, mm, and seed: every view has its own noise, and training another than probes."""
+    seed = (source.seed, int(training), *view.encode())
+    return {"sigma_mm": LEVELS[psnr_db] * GREY_MM, "seed": seed}
 
 
 # ── what comes of it ─────────────────────────────────────────────────────────────────────
@@ -278,8 +284,8 @@ def _table(
         row: list[object] = [system, f"{psnr:.2f}"]
         for denoiser, classifier, (name, view) in columns:
             c = Condition(site, psnr, denoiser, training, system, classifier, view)
-            printed = _printed(c, name) if training == "clean" else None
-            row.append(Entry(rate(right[c]), printed))
+            percent = printed(c, name) if training == "clean" else None
+            row.append(Entry(rate(right[c]), percent))
         rows.append(row)
     header = ["feature", "PSNR dB", *(f"{d}, {c}, {name}" for d, c, (name, _) in columns)]
     where = "the 80 × 50 crop" if site == "crop" else "the range image"
@@ -290,7 +296,8 @@ def _table(
     return Table(f"{site}-{training}", caption, header, rows)
 
 
-def _printed(c: Condition, probe: str) -> float | None:
+def printed(c: Condition, probe: str) -> float | None:
+    """The paper's number for a condition with clean training, %."""
     group = next((g for g, system in READ_AS.items() if system == c.system), None)
     if group is None or c.denoiser == "adaptive" or probe not in ("smiling", "neutral"):
         return None

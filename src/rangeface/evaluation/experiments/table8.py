@@ -50,7 +50,7 @@ def averages(
     segment: Step = SLICES,
 ) -> Arrays:
     """Frontal images of averages of ten successive frames, begun at random: 20 a person."""
-    images = (i for person in source.numbers for i in _averages(source, person, session))
+    images = (i for person in source.numbers for i in averages_of(source, person, session))
     arrays = frontals(images, segment, register, frontal)
     people = source.persons
     for plane in ("depth", "sigma"):
@@ -59,7 +59,8 @@ def averages(
     return {"owner": np.arange(people), **arrays}
 
 
-def _averages(source: Source, person: int, session: int) -> Iterator[RangeImage]:
+def averages_of(source: Source, person: int, session: int) -> Iterator[RangeImage]:
+    """The averages of ten successive frames of a person on one day, always the same."""
     rng = np.random.default_rng([person, session, 0x70F])
     starts = rng.integers(0, FRAMES - OVER + 1, AVERAGES)
     head = head_of(source, person, expression="neutral", session=session)
