@@ -133,22 +133,32 @@ def test_neither_order_nor_offset_of_the_samples_matters(seed):
         np.testing.assert_allclose(scores, similarity(other, other), atol=tolerance)
 
 
-@pytest.mark.parametrize("metric", ["euclidean", "cosine", "chi-square", "intersection"])
+@pytest.mark.parametrize(
+    "metric", ["euclidean", "cosine", "fisher-z", "chi-square", "intersection"]
+)
 def test_the_kernels_say_what_numpy_says(metric):
     rng = np.random.default_rng(0)
     P, G = rng.random((7, 33)), rng.random((11, 33))
     P[2] = G[4] = 0.0
     p, g = P[:, None], G[None]
     with np.errstate(invalid="ignore"):
+        cosine = (p * g).sum(2) / np.linalg.norm(p, axis=2) / np.linalg.norm(g, axis=2)
         expected = {
             "euclidean": -np.linalg.norm(p - g, axis=2),
-            "cosine": np.nan_to_num(
-                (p * g).sum(2) / np.linalg.norm(p, axis=2) / np.linalg.norm(g, axis=2)
-            ),
+            "cosine": np.nan_to_num(cosine),
+            "fisher-z": np.arctanh(np.nan_to_num(cosine)),
             "chi-square": -0.5 * np.nan_to_num((p - g) ** 2 / (p + g)).sum(2),
             "intersection": np.minimum(p, g).sum(2),
         }[metric]
     np.testing.assert_allclose(similarity(P, G, metric=metric), expected, atol=1e-5)
+
+
+def test_fisher_z_of_the_same_vector_is_finite():
+    X = np.random.default_rng(1).normal(size=(5, 20))
+    scores = similarity(X, X, metric="fisher-z")
+    assert np.isfinite(scores).all()
+    assert (scores.argmax(axis=1) == np.arange(5)).all()
+    assert similarity(X, -X, metric="fisher-z").diagonal().max() == -scores.diagonal().min()
 
 
 @given(SEEDS)

@@ -29,7 +29,7 @@ class KernelFisher(SupervisedTags, Matcher):
         training samples.
     shrinkage : float
         0 … 1: as in `RegularizedLDA`, in feature space.
-    metric : {"cosine", "euclidean"}
+    metric : {"cosine", "fisher-z", "euclidean"}
         Similarity of two projections.
 
     Attributes

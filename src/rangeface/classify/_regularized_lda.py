@@ -24,7 +24,7 @@ class RegularizedLDA(SupervisedTags, LinearProjection):
         Number of discriminant directions, ≥ 1; at most C − 1. None: C − 1.
     shrinkage : float
         γ, 0 < γ ≤ 1.
-    metric : {"cosine", "euclidean"}
+    metric : {"cosine", "fisher-z", "euclidean"}
         Similarity of two projections.
 
     Attributes

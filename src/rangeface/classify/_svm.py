@@ -28,7 +28,7 @@ class SVM(SupervisedTags, LinearProjection):
     ----------
     penalty : float
         C > 0.
-    metric : {"cosine", "euclidean"}
+    metric : {"cosine", "fisher-z", "euclidean"}
         Similarity of two vectors of decision values.
 
     Attributes

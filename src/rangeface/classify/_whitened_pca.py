@@ -19,7 +19,7 @@ class WhitenedPCA(PCA):
     ----------
     n_components : int, optional
         Number of eigenvectors, ≥ 1; at most the rank of the samples are kept. None: all.
-    metric : {"cosine", "euclidean"}
+    metric : {"cosine", "fisher-z", "euclidean"}
         Similarity of two projections.
 
     Attributes

@@ -17,6 +17,8 @@ from rangeface.errors import ParameterError
 
 Scores: TypeAlias = NDArray[np.float32]
 
+#: A cosine nearer to 1 than this says no more: its inverse hyperbolic tangent has no bound.
+_MOST_ALIKE = np.float32(0.9999)
 _FAST = {"contract", "reassoc", "arcp", "nsz"}
 
 
@@ -76,9 +78,15 @@ def _intersection(P, G, out):  # type: ignore[no-untyped-def]
             out[i, j] = total
 
 
+def _fisher_z(P: Scores, G: Scores, out: Scores) -> None:
+    _cosine(P, G, out)
+    np.arctanh(np.clip(out, -_MOST_ALIKE, _MOST_ALIKE, out=out), out=out)
+
+
 KERNELS = {
     "euclidean": _negative_distance,
     "cosine": _cosine,
+    "fisher-z": _fisher_z,
     "chi-square": _negative_chi_square,
     "intersection": _intersection,
 }
@@ -89,6 +97,7 @@ def similarity(probes: ArrayLike, gallery: ArrayLike, *, metric: str = "euclidea
 
     .. math::
         s_{euclidean} = -\|p - g\|, \quad s_{cosine} = \frac{p·g}{\|p\|\,\|g\|}, \quad
+        s_{z} = \operatorname{artanh} s_{cosine}, \quad
         s_{χ²} = -\tfrac12 \sum_d \frac{(p_d - g_d)^2}{p_d + g_d}, \quad
         s_{intersection} = \sum_d \min(p_d, g_d)
 
@@ -98,13 +107,15 @@ def similarity(probes: ArrayLike, gallery: ArrayLike, *, metric: str = "euclidea
         Probe vectors; used as float32.
     gallery : (m, D) array_like
         Gallery vectors; not copied where they are C-ordered float32.
-    metric : {"euclidean", "cosine", "chi-square", "intersection"}
-        Kind of similarity. The last two are for histograms (values ≥ 0).
+    metric : {"euclidean", "cosine", "fisher-z", "chi-square", "intersection"}
+        Kind of similarity. "fisher-z" orders as the cosine does, but its scale does not shrink near
+        1: scores of different probes compare, and a norm by their spread leaves mates apart from
+        strangers. The last two are for histograms (values ≥ 0).
 
     Returns
     -------
     (n, m) float32
-        Scores. The cosine with a zero vector is 0.
+        Scores. The cosine with a zero vector is 0; "fisher-z" lies within ±4.95.
 
     Raises
     ------
@@ -114,6 +125,10 @@ def similarity(probes: ArrayLike, gallery: ArrayLike, *, metric: str = "euclidea
     Notes
     -----
     One pass over the gallery, O(n m D); for one probe it runs at the speed of memory.
+
+    References
+    ----------
+    R. A. Fisher, Biometrika 10(4), 1915, doi:10.2307/2331838 (the transformation of a correlation).
 
     Examples
     --------
