@@ -62,7 +62,8 @@ BARS: dict[str, tuple[str, tuple[str, ...], float]] = {
 }
 NOISES = ("clean", "sr3000")
 START_ANGLES = tuple(range(-60, 61, 10))
-BASIN_PEOPLE = 3
+#: One person of the basin for so many people, and at most.
+BASIN_SHARE, BASIN_PEOPLE = 8, 3
 #: Scenes without a face: for each person, and at most.
 SCENES, MOST_SCENES = 84, 2000
 #: People of a cell, and scenes of one.
@@ -185,8 +186,8 @@ def scans_of(source: Source, noise: str) -> list[Cell]:
 
 def basin_of(source: Source) -> list[Cell]:
     """The cells of the basin; always of our own population."""
-    own = _own(source)
-    return [cell(arrivals, source=own, person=person) for person in _people(own)]
+    people = _people(source)[: max(1, min(source.persons // BASIN_SHARE, BASIN_PEOPLE))]
+    return [cell(arrivals, source=_own(source), person=person) for person in people]
 
 
 def scenes_of(source: Source, kind: str) -> list[Cell]:
@@ -206,7 +207,8 @@ def _people(source: Source) -> range:
 
 
 def _own(source: Source) -> Source:
-    return sources.source(persons=BASIN_PEOPLE, seed=source.seed)
+    # however many people a run asks for, its scenes and its basin are these
+    return sources.source(seed=source.seed)
 
 
 # ── scans of known pose ──────────────────────────────────────────────────────────────────
@@ -355,7 +357,7 @@ def _picture(arrived: NDArray[np.bool_]) -> tuple[str, bytes]:
     figure.colorbar(shown, label="registered within 5°, % of scans")
     caption = (
         f"`register.icp` with all its starts, from a pose wrong by the given angles: "
-        f"{len(arrived)} people of our own population, SR-3000 noise"
+        f"{len(arrived)} of our own population, SR-3000 noise"
     )
     return caption, png(figure)
 
