@@ -35,7 +35,7 @@ def test_everybody_is_scanned_once_in_each_noise():
         assert people == list(range(2001, 2021))
 
 
-@pytest.mark.parametrize("persons, total", [(3, 252), (24, MOST_SCENES)])
+@pytest.mark.parametrize(("persons", "total"), [(3, 252), (24, MOST_SCENES)])
 def test_kinds_of_scenes_take_turns(persons, total):
     people = source(persons=persons)
     shown = {kind: numbers(scenes_of(people, kind)) for kind in KINDS}
