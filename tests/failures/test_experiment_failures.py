@@ -96,7 +96,16 @@ def test_workers_that_die_again_and_again(monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name", ["table8", "operating_map", "best_system", "feature_noise", "table5", *OF_THE_MODEL]
+    "name",
+    [
+        "table8",
+        "operating_map",
+        "best_system",
+        "feature_noise",
+        "table5",
+        "registration_basin",
+        *OF_THE_MODEL,
+    ],
 )
 def test_data_without_what_an_experiment_needs(name, data_folder):
     people = source(f"rap3df:{data_folder / 'rap3df_2017'}", persons=4)

@@ -8,19 +8,26 @@ without one.
 
 from __future__ import annotations
 
-import argparse
-import json
-from collections.abc import Callable, Mapping
-from pathlib import Path
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from itertools import product
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rangeface import register, segment, sensors, simulate
+from rangeface import register, sensors, simulate
+from rangeface.evaluation.error_rates import Rate
+from rangeface.evaluation.experiments import sources
+from rangeface.evaluation.experiments._experiment import Experiment, Results
 from rangeface.evaluation.experiments.face_free import KINDS, scene
+from rangeface.evaluation.experiments.sources import Source, head_of
+from rangeface.evaluation.experiments.stages import SLICES
+from rangeface.evaluation.findings import Entry, Findings, Table
+from rangeface.evaluation.grid import Arrays, Cell, Store, cell, kept
+from rangeface.evaluation.pictures import canvas, png
 from rangeface.numerics.se3 import head_rotation, rotation_angle
-from rangeface.numerics.statistics import wilson
-from rangeface.types import Alignment, Face, Float64, RangeImage, RigidTransform
+from rangeface.pipeline import Step, step
+from rangeface.types import Alignment, Face, Float64, Mask, RangeImage, RigidTransform
 
 NOSE_MM, PAIR_DEG, PLANE_DEG = 10.0, 5.0, 3.0
 #: Name → expression, yaw, pitch (degrees); the source paper's directions, and wider ones.
@@ -36,68 +43,178 @@ POSES: dict[str, tuple[str, float, float]] = {
     "right 30": ("neutral", 30.0, 0.0),
     "left 45": ("neutral", -45.0, 0.0),
 }
-#: How the scans are registered.
-REGISTERED = ("icp", "symmetric")
+TURNED = tuple(pose for pose in POSES if pose != "frontal")
+#: What is measured of a scan → in which poses.
+MEASURED: dict[str, tuple[str, ...]] = {
+    "found": tuple(POSES),
+    "registered": tuple(POSES),
+    "icp": TURNED,
+    "symmetric": TURNED,
+    "plane": ("frontal", "smile", "laugh", "left 15", "right 30"),
+}
+#: Name → what, in which poses, and the least that is asked for, %.
+BARS: dict[str, tuple[str, tuple[str, ...], float]] = {
+    "frontal and expressions: nose registered": ("registered", ("frontal", "smile", "laugh"), 99),
+    "35° up, down, sideways: nose registered": ("registered", ("up", "down", "left", "right"), 95),
+    "up to 30°: within 5°": ("symmetric", ("smile", "laugh", "left 15", "right 30"), 98),
+    "45°: within 5°": ("symmetric", ("left 45",), 90),
+    "symmetry plane within 3°": ("plane", MEASURED["plane"], 98),
+}
+NOISES = ("clean", "sr3000")
 START_ANGLES = tuple(range(-60, 61, 10))
+#: One person of the basin for so many people, and at most.
+BASIN_SHARE, BASIN_PEOPLE = 8, 3
+#: Scenes without a face: for each person, and at most.
+SCENES, MOST_SCENES = 84, 2000
+#: People of a cell, and scenes of one.
+PEOPLE_CHUNK, SCENES_CHUNK = 6, 125
+_ICP, _SYMMETRIC, _MIRROR = (step(m) for m in (register.icp, register.symmetric, register.mirror))
+TITLE = "How far from frontal a face is found and registered"
 
 
 class Scan(NamedTuple):
-    """A scan, the true pose T_camera_face, and what was made of it; alignments by method."""
+    """The true pose of a scan, T_camera_face, and what was made of it; alignments by method."""
 
-    image: RangeImage
     pose: RigidTransform
     face: Face | None
     alignments: Mapping[str, Alignment]
 
 
-def run(
-    *,
-    seed: int = 0,
-    ict: str | Path | None = None,
-    people: int = 25,
-    face_free: int = 2000,
-    basin_people: int = 6,
-) -> dict[str, Any]:
-    """Measure finding and registration on simulated scans of known pose.
+# ── cells ────────────────────────────────────────────────────────────────────────────────
 
-    Parameters
-    ----------
-    seed : int
-        First person; people, noise and scenes follow from it.
-    ict : str or Path, optional
-        A user's copy of ICT-FaceKit, as for `simulate.ict_facekit`: a second population.
-    people : int
-        People of each population; each is scanned in every pose, clean and noisy.
-    face_free : int
-        Scenes without a face.
-    basin_people : int
-        People whose scans are registered from every start angle.
+
+@kept
+def scanned(
+    store: Store,
+    *,
+    source: Source,
+    noise: str,
+    first: int,
+    count: int,
+    segment: Step = SLICES,
+    icp: Step = _ICP,
+    symmetric: Step = _SYMMETRIC,
+    mirror: Step = _MIRROR,
+) -> Arrays:
+    """Scans of people in every pose, found and registered.
 
     Returns
     -------
     dict
-        Rates as [k, n, low, high] (95 % Wilson), by population, noise and pose.
+        (count, poses) bool each, with the poses of `MEASURED`. "found": the finder's nose tip is
+        right; "registered": that of `register.symmetric` is; "icp", "symmetric": the frame is that
+        of the frontal scan; "plane": the mirror finds the plane of symmetry.
     """
-    populations: dict[str, Callable[..., simulate.Head]] = {"own": simulate.head}
-    if ict is not None:
-        populations["ict"] = simulate.ict_facekit(ict).head
-    result: dict[str, Any] = {"people": people, "poses": {}}
-    for name, population in populations.items():
-        for noise in ("clean", "sr3000"):
-            scans = [
-                {pose: _scan(population, person, pose, noise) for pose in POSES}
-                for person in range(seed + 1, seed + 1 + people)
-            ]
-            result["poses"][f"{name}, {noise}"] = _rates(scans)
-    result["basin"] = basin(range(seed + 1, seed + 1 + basin_people))
-    result["face_free"] = false_faces(face_free, seed)
-    return result
+    people = []
+    for person in range(first, first + count):
+        scans = {}
+        for name in POSES:
+            image, pose = _look(source, person, name, noise)
+            face = next(iter(segment(image)), None)
+            ways = {} if face is None else {"icp": icp(face), "symmetric": symmetric(face)}
+            scans[name] = Scan(pose, face, ways)
+        people.append(
+            {
+                "found": [_nose_found(scans[name]) for name in MEASURED["found"]],
+                "registered": [_nose_registered(scans[name]) for name in MEASURED["registered"]],
+                "icp": [_alike(scans["frontal"], scans[name], "icp") for name in TURNED],
+                "symmetric": [
+                    _alike(scans["frontal"], scans[name], "symmetric") for name in TURNED
+                ],
+                "plane": [_plane_found(scans[name], mirror) for name in MEASURED["plane"]],
+            }
+        )
+    return {what: np.array([person[what] for person in people]) for what in MEASURED}
+
+
+@kept
+def arrivals(store: Store, *, source: Source, person: int, icp: Step = _ICP) -> Arrays:
+    """Whether ICP arrives within 5° from starts that are wrong in yaw and pitch.
+
+    With all the starts that `register.icp` tries where its first attempt is refused.
+
+    Returns
+    -------
+    dict
+        "arrived" (pitch, yaw) bool, at `START_ANGLES`.
+    """
+    image, pose = _look(source, person, "frontal", "sr3000")
+    angles = np.deg2rad(START_ANGLES)
+    arrived = [[_arrives(image, pose, icp, yaw, pitch) for yaw in angles] for pitch in angles]
+    return {"arrived": np.array(arrived)}
+
+
+@kept
+def faces_found(
+    store: Store, *, source: Source, kind: str, first: int, count: int, segment: Step = SLICES
+) -> Arrays:
+    """Whether a face is found in scenes without one, clean or noisy; the kinds take turns.
+
+    Returns
+    -------
+    dict
+        "found" (count,) bool, of scenes `first`, `first` + number of kinds, ….
+    """
+    sensor, found = _sensor(), []
+    for number in range(first, first + count * len(KINDS), len(KINDS)):
+        rng = np.random.default_rng([source.seed, number, 0xFACE])
+        view = scene(kind, 1_000_000 * (source.seed + 1) + number, sensor.camera)
+        image = view.image if rng.random() < 0.5 else simulate.tof(view, sensor, rng=rng)
+        found.append(bool(segment(image)))
+    return {"found": np.array(found)}
+
+
+def cells(source: Source) -> list[Cell]:
+    """A cell a noise and chunk of people, a person of the basin, a kind and chunk of scenes."""
+    source.need_heads("registration_basin")
+    return [
+        *(one for noise in NOISES for one in scans_of(source, noise)),
+        *basin_of(source),
+        *(one for kind in KINDS for one in scenes_of(source, kind)),
+    ]
+
+
+def scans_of(source: Source, noise: str) -> list[Cell]:
+    """The cells of everybody's scans."""
+    people = _people(source)
+    chunks = [people[k : k + PEOPLE_CHUNK] for k in range(0, len(people), PEOPLE_CHUNK)]
+    return [
+        cell(scanned, source=source, noise=noise, first=chunk.start, count=len(chunk))
+        for chunk in chunks
+    ]
+
+
+def basin_of(source: Source) -> list[Cell]:
+    """The cells of the basin; always of our own population."""
+    people = _people(source)[: max(1, min(source.persons // BASIN_SHARE, BASIN_PEOPLE))]
+    return [cell(arrivals, source=_own(source), person=person) for person in people]
+
+
+def scenes_of(source: Source, kind: str) -> list[Cell]:
+    """The cells of one kind of scene; any heads in them are of our own population."""
+    total = min(SCENES * source.persons, MOST_SCENES)
+    numbers = range(list(KINDS).index(kind), total, len(KINDS))
+    chunks = [numbers[k : k + SCENES_CHUNK] for k in range(0, len(numbers), SCENES_CHUNK)]
+    return [
+        cell(faces_found, source=_own(source), kind=kind, first=chunk.start, count=len(chunk))
+        for chunk in chunks
+    ]
+
+
+def _people(source: Source) -> range:
+    numbers = source.numbers
+    return range(numbers.start + 1, numbers.stop + 1)
+
+
+def _own(source: Source) -> Source:
+    # however many people a run asks for, its scenes and its basin are these
+    return sources.source(seed=source.seed)
 
 
 # ── scans of known pose ──────────────────────────────────────────────────────────────────
 
 
-def _scan(population: Callable[..., simulate.Head], person: int, name: str, noise: str) -> Scan:
+def _look(source: Source, person: int, name: str, noise: str) -> tuple[RangeImage, RigidTransform]:
     expression, yaw, pitch = POSES[name]
     rng = np.random.default_rng([person, *name.encode()])
     jitter = rng.uniform(-3.0, 3.0, 3)
@@ -106,47 +223,15 @@ def _scan(population: Callable[..., simulate.Head], person: int, name: str, nois
         nose_tip_mm=(float(rng.uniform(-15, 15)), float(rng.uniform(-15, 15)), 420.0),
     )  # fmt: skip
     sensor = _sensor()
-    view = simulate.render(population(person, expression=expression), sensor.camera, pose)
-    image = view.image if noise == "clean" else simulate.tof(view, sensor, rng=rng)
-    faces = segment.slices(image)
-    face = faces[0] if faces else None
-    alignments = {} if face is None else {m: register.METHODS[m](face) for m in REGISTERED}
-    return Scan(image, pose, face, alignments)
+    head = head_of(source, person, expression=expression, session=0)
+    view = simulate.render(head, sensor.camera, pose)
+    return view.image if noise == "clean" else simulate.tof(view, sensor, rng=rng), pose
 
 
 def _sensor() -> sensors.SensorModel:
     """A calibrated SR-3000: random noise only."""
     systematic = ("wiggling", "multipath", "scattering", "fixed pattern", "compression")
     return sensors.preset("sr3000").without(*systematic)
-
-
-def _rates(people: list[dict[str, Scan]]) -> dict[str, Any]:
-    turned = [pose for pose in POSES if pose != "frontal"]
-    tables: dict[str, dict[str, list[bool]]] = {
-        "nose": {pose: [_nose_found(scans[pose]) for scans in people] for pose in POSES},
-        "nose, registered": {
-            pose: [_nose_registered(scans[pose]) for scans in people] for pose in POSES
-        },
-    }
-    for method in REGISTERED:
-        tables[f"pair, {method}"] = {
-            pose: [_alike(scans["frontal"], scans[pose], method) for scans in people]
-            for pose in turned
-        }
-    tables["plane"] = {
-        pose: [_plane_found(scans[pose]) for scans in people]
-        for pose in ("frontal", "smile", "laugh", "left 15", "right 30")
-    }
-    return {
-        kind: {pose: _rate(sum(good), len(good)) for pose, good in table.items()}
-        for kind, table in tables.items()
-    }
-
-
-def _rate(successes: int, n: int) -> list[float]:
-    """[k, n, low, high] of a proportion."""
-    low, high = wilson(successes, n) if n else (0.0, 1.0)
-    return [successes, n, round(float(low), 5), round(float(high), 5)]
 
 
 def _nose_found(scan: Scan) -> bool:
@@ -175,98 +260,116 @@ def _alike(one: Scan, other: Scan, method: str) -> bool:
     return bool(np.rad2deg(rotation_angle(errors[0] @ errors[1].T)) <= PAIR_DEG)
 
 
-def _plane_found(scan: Scan) -> bool:
+def _plane_found(scan: Scan, mirror: Step) -> bool:
     if scan.face is None:
         return False
-    alignment = register.mirror(scan.face)
+    alignment = mirror(scan.face)
     cosine = abs(float(alignment.transform.rotation[0] @ scan.pose.rotation[:, 0]))
     return bool(alignment.converged and np.rad2deg(np.arccos(min(cosine, 1.0))) <= PLANE_DEG)
 
 
-# ── the basin of ICP ─────────────────────────────────────────────────────────────────────
+def _arrives(image: RangeImage, pose: RigidTransform, icp: Step, yaw: float, pitch: float) -> bool:
+    turned: Float64 = pose.rotation @ head_rotation(yaw, pitch, 0.0)
+    start = RigidTransform(turned, pose.translation, target="camera", source="face")
+    alignment = icp(Face(image, pose.translation, pose=start.inverse()))
+    error = rotation_angle(alignment.transform.rotation @ pose.rotation)
+    return bool(alignment.converged and np.rad2deg(error) <= PAIR_DEG)
 
 
-def basin(people: range) -> dict[str, Any]:
-    """Success of ICP within 5° against the start's error in yaw and pitch: (pitch, yaw) rates.
+# ── what comes of it ─────────────────────────────────────────────────────────────────────
 
-    With all the starts that `register.icp` tries where its first attempt is refused.
-    """
-    success = np.zeros((len(START_ANGLES), len(START_ANGLES)))
-    for person in people:
-        scan = _scan(simulate.head, person, "frontal", "sr3000")
-        for i, pitch in enumerate(START_ANGLES):
-            for j, yaw in enumerate(START_ANGLES):
-                success[i, j] += _arrives(scan, np.deg2rad(yaw), np.deg2rad(pitch))
-    return {
-        "angles_deg": list(START_ANGLES),
-        "success": (success / max(len(people), 1)).round(3).tolist(),
+
+def tabulate(source: Source, results: Results) -> Findings:
+    """Nose tips, frames and planes by pose, beside what is asked for; false faces; the basin."""
+    scans = {
+        noise: {
+            what: np.concatenate([results(one)[what] for one in scans_of(source, noise)])
+            for what in MEASURED
+        }
+        for noise in NOISES
     }
+    return Findings(
+        TITLE, "From which poses is a face found and registered, and what is taken for one?",
+        readings=[f"{source.persons} people, each once in every pose.", *READINGS],
+        tables=[
+            _by_pose("nose", f"Nose tip within {NOSE_MM:g} mm, % [95 %]", scans,
+                     {"finder": "found", "register.symmetric": "registered"}),
+            _by_pose("pairs", f"Same frame as the frontal scan within {PAIR_DEG:g}°, % [95 %]",
+                     scans, {"register.icp": "icp", "register.symmetric": "symmetric"}),
+            _bars(scans),
+            _false_faces(source, results),
+        ],
+        figures=[_picture(np.array([results(one)["arrived"] for one in basin_of(source)]))],
+    )  # fmt: skip
 
 
-def _arrives(scan: Scan, yaw: float, pitch: float) -> bool:
-    turned: Float64 = scan.pose.rotation @ head_rotation(yaw, pitch, 0.0)
-    start = RigidTransform(turned, scan.pose.translation, target="camera", source="face")
-    alignment = register.icp(Face(scan.image, scan.pose.translation, pose=start.inverse()))
-    error = rotation_angle(alignment.transform.rotation @ scan.pose.rotation)
-    return alignment.converged and np.rad2deg(error) <= PAIR_DEG
+def _by_pose(
+    name: str, caption: str, scans: Mapping[str, Arrays], measured: Mapping[str, str]
+) -> Table:
+    rows = [
+        [noise, by, *(Entry(_rate(column)) for column in scans[noise][what].T)]
+        for noise, (by, what) in product(NOISES, measured.items())
+    ]
+    poses = MEASURED[next(iter(measured.values()))]
+    return Table(name, caption, ["noise", "by", *poses], rows)
 
 
-# ── scenes without a face ────────────────────────────────────────────────────────────────
+def _bars(scans: Mapping[str, Arrays]) -> Table:
+    rows = [
+        [noise, *(str(_rate(_of(scans[noise], what, poses))) for what, poses, _ in BARS.values())]
+        for noise in NOISES
+    ]
+    rows.append(["bar", *(f"{least:g} %" for *_, least in BARS.values())])
+    caption = "By `register.symmetric`, the plane by `register.mirror`: % [95 %], and the bar"
+    return Table("bars", caption, ["noise", *BARS], rows)
 
 
-def false_faces(count: int, seed: int) -> dict[str, Any]:
-    """Scenes of each kind, and in how many of them a face is found."""
-    sensor, kinds = _sensor(), list(KINDS)
-    scenes, found = dict.fromkeys(kinds, 0), dict.fromkeys(kinds, 0)
-    for k in range(count):
-        kind = kinds[k % len(kinds)]
-        rng = np.random.default_rng([seed, k, 0xFACE])
-        view = scene(kind, 1_000_000 * (seed + 1) + k, sensor.camera)
-        image = view.image if rng.random() < 0.5 else simulate.tof(view, sensor, rng=rng)
-        scenes[kind] += 1
-        found[kind] += int(bool(segment.slices(image)))
-    return {"scenes": scenes, "found": found, "all": _rate(sum(found.values()), count)}
+def _of(scans: Arrays, what: str, poses: Sequence[str]) -> Mask:
+    return scans[what][:, [MEASURED[what].index(pose) for pose in poses]]
 
 
-# ── picture and command line ─────────────────────────────────────────────────────────────
+def _false_faces(source: Source, results: Results) -> Table:
+    found = {
+        kind: np.concatenate([results(one)["found"] for one in scenes_of(source, kind)])
+        for kind in KINDS
+    }
+    rows = [[kind, str(_rate(flags))] for kind, flags in found.items()]
+    rows.append(["all", str(_rate(np.concatenate(list(found.values()))))])
+    rows.append(["bar", "0.1 % (2 of 2000)"])
+    caption = "Scenes without a face in which one is found [95 %]"
+    return Table("false_faces", caption, ["scene", "a face is found"], rows)
 
 
-def draw(result: dict[str, Any], path: Path) -> None:
-    """Picture of success against the start's yaw and pitch."""
-    from matplotlib.figure import Figure
+def _rate(flags: Mask) -> Rate:
+    return Rate.of(int(flags.sum()), flags.size)
 
-    angles, success = result["basin"]["angles_deg"], np.array(result["basin"]["success"])
-    figure = Figure(figsize=(5.2, 4.4), layout="constrained")
-    axes = figure.add_subplot()
-    edge = (angles[0] - 5, angles[-1] + 5)
+
+def _picture(arrived: NDArray[np.bool_]) -> tuple[str, bytes]:
+    """Share of people, (people, pitch, yaw), who are registered from each start."""
+    figure = canvas((5.2, 4.4))
+    axes = figure.subplots()
+    edge = (START_ANGLES[0] - 5, START_ANGLES[-1] + 5)
     shown = axes.imshow(
-        100 * success, extent=(*edge, *edge), origin="lower", cmap="viridis", vmin=0, vmax=100
-    )
+        100 * arrived.mean(axis=0), extent=(*edge, *edge), origin="lower", cmap="viridis",
+        vmin=0, vmax=100,
+    )  # fmt: skip
     axes.set(xlabel="start wrong in yaw, degrees", ylabel="start wrong in pitch, degrees")
     figure.colorbar(shown, label="registered within 5°, % of scans")
-    figure.savefig(path, dpi=120)
-
-
-def main() -> None:
-    """Run from the command line: writes registration_basin.json and registration_basin.png."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--people", type=int, default=25)
-    parser.add_argument("--basin-people", type=int, default=6)
-    parser.add_argument("--face-free", type=int, default=2000)
-    parser.add_argument("--ict", type=Path, default=None)
-    parser.add_argument("--out", type=Path, default=Path())
-    arguments = parser.parse_args()
-    result = run(
-        people=arguments.people,
-        face_free=arguments.face_free,
-        ict=arguments.ict,
-        basin_people=arguments.basin_people,
+    caption = (
+        f"`register.icp` with all its starts, from a pose wrong by the given angles: "
+        f"{len(arrived)} of our own population, SR-3000 noise"
     )
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    (arguments.out / "registration_basin.json").write_text(json.dumps(result, indent=1))
-    draw(result, arguments.out / "registration_basin.png")
-    print(json.dumps({k: v for k, v in result.items() if k != "basin"}, indent=1))
+    return caption, png(figure)
 
 
-if __name__ == "__main__":
-    main()
+READINGS = (
+    "Heads 42 cm before a 176 × 144 camera, turned by up to 3° more about each axis, clean and as "
+    "a calibrated SR-3000 sees them (random noise only). What is refused or not found counts as "
+    "wrong. Scans of one person are not independent: the intervals are somewhat too narrow.",
+    "“Up to 30°” are smile, laugh, left 15 and right 30; the symmetry plane is asked for in "
+    "these and frontal.",
+    "False faces and the picture do not depend on the data: any heads in them are of our own "
+    "population.",
+)
+
+EXPERIMENT = Experiment(TITLE, cells, tabulate, persons=24, minutes=4.0)
