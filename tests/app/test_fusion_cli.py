@@ -61,6 +61,19 @@ def test_evaluating_a_model_in_detail_says_what_each_head_adds(rangeface, folder
     assert "McNemar" in out
 
 
+def test_evaluating_a_model_says_what_its_thresholds_are_worth(
+    rangeface, folder, model, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("rangeface.app.evaluate._PROMISED", (0.1, 0.001))
+    target = tmp_path / "out.json"
+    status, out, _ = rangeface("evaluate", "folder", folder, "--model", model, "--json", target)
+    assert status == 0
+    found = json.loads(target.read_text())["at_calibrated_fmr"]
+    assert list(found) == ["0.1"]  # ten people cannot show 0.1 %
+    assert "for an FMR of 10 %" in out
+    assert found["0.1"]["fmr"] in out
+
+
 def test_a_model_and_a_pipeline_at_once_are_refused(rangeface, folder, model):
     status, _, err = rangeface(
         "evaluate", "folder", folder, "--model", model, "--pipeline", "default"

@@ -22,6 +22,9 @@ from rangeface.app.progress import over
 from rangeface.config import load_pipeline
 from rangeface.errors import ParameterError, ScanError, ScanFault
 from rangeface.evaluation.captures import learners
+from rangeface.evaluation.error_rates import fmr as fmr_at
+from rangeface.evaluation.error_rates import fnmr as fnmr_at
+from rangeface.evaluation.error_rates import mated_nonmated
 from rangeface.evaluation.protocol import (
     Capture,
     Rates,
@@ -34,10 +37,13 @@ from rangeface.evaluation.protocol import (
     stage_times,
 )
 from rangeface.pipeline import FacePipeline, Head, step
+from rangeface.recognizer import FaceRecognizer
 from rangeface.types import Scan
 
 GRID_FEATURES = ("depth", "n3", "normals", "lbp", "tdlbp")
 GRID_CLASSIFIERS = ("pca", "lda", "mlda")
+#: FMRs at whose calibrated thresholds a model is judged; fewer pairs than this cannot show one.
+_PROMISED, _RULE_OF_THREE = (0.01, 0.001), 3.0
 
 
 def run(
@@ -82,6 +88,7 @@ def run(
         subsets = _subsets(scores, near_frontal, fmr)
         runs.append((name, scores, subsets))
         _print_rates(name, subsets)
+        promised = {} if recognizer is None else _promised(recognizer, scores)
         results.append(
             {
                 "dataset": dataset,
@@ -90,6 +97,7 @@ def run(
                 "fingerprint": scores.fingerprint,
                 "ms_per_scan": stage_times(captures, scores.match_ms),
                 "subset": {subset: r.to_json() for subset, r in subsets.items()},
+                "at_calibrated_fmr": promised,
                 **_more(scores, captures, variant, near_frontal, detail, against, kept),
             }
         )
@@ -212,6 +220,24 @@ def _print_rates(name: str, subsets: dict[str, Rates]) -> None:
         cells = (r.rank1, r.rank5, r.eer, r.eer_raw, r.fnmr, r.fta)
         table.add_row(f"{subset} ({r.n})", *(_cell(rate) for rate in cells))
     console.print(table)
+
+
+def _promised(recognizer: FaceRecognizer, scores: Scores) -> dict[str, dict[str, str]]:
+    """FMR and FNMR found at the thresholds that the model's calibration gives, printed too."""
+    found = {}
+    mated, nonmated = mated_nonmated(scores.table, scores.probe_subjects, scores.people)
+    for asked in _PROMISED:
+        if recognizer.nonmated.size * asked < _RULE_OF_THREE:
+            continue
+        threshold = recognizer.threshold(asked)
+        rates = {"fmr": str(fmr_at(nonmated, threshold)), "fnmr": str(fnmr_at(mated, threshold))}
+        console.print(
+            f"at the calibration's threshold for an FMR of {100 * asked:g} %: "
+            f"FMR {rates['fmr']}, FNMR {rates['fnmr']}",
+            highlight=False,
+        )
+        found[f"{asked:g}"] = rates
+    return found
 
 
 def _cell(rate: Any) -> str:
