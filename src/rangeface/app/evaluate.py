@@ -88,7 +88,6 @@ def run(
         subsets = _subsets(scores, near_frontal, fmr)
         runs.append((name, scores, subsets))
         _print_rates(name, subsets)
-        promised = {} if recognizer is None else _promised(recognizer, scores)
         results.append(
             {
                 "dataset": dataset,
@@ -97,7 +96,7 @@ def run(
                 "fingerprint": scores.fingerprint,
                 "ms_per_scan": stage_times(captures, scores.match_ms),
                 "subset": {subset: r.to_json() for subset, r in subsets.items()},
-                "at_calibrated_fmr": promised,
+                **({} if recognizer is None else _promised(recognizer, scores)),
                 **_more(scores, captures, variant, near_frontal, detail, against, kept),
             }
         )
@@ -222,7 +221,7 @@ def _print_rates(name: str, subsets: dict[str, Rates]) -> None:
     console.print(table)
 
 
-def _promised(recognizer: FaceRecognizer, scores: Scores) -> dict[str, dict[str, str]]:
+def _promised(recognizer: FaceRecognizer, scores: Scores) -> dict[str, Any]:
     """FMR and FNMR found at the thresholds that the model's calibration gives, printed too."""
     found = {}
     mated, nonmated = mated_nonmated(scores.table, scores.probe_subjects, scores.people)
@@ -237,7 +236,7 @@ def _promised(recognizer: FaceRecognizer, scores: Scores) -> dict[str, dict[str,
             highlight=False,
         )
         found[f"{asked:g}"] = rates
-    return found
+    return {"at_calibrated_fmr": found}
 
 
 def _cell(rate: Any) -> str:
